@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Bytes to typed arrays, without a copy.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "tetfmt/error.hpp"
+#include "tetfmt/layout.hpp"
+
+namespace tetfmt {
+
+/// What a reader is willing to accept, on top of the format's own bounds.
+struct Limits {
+  std::uint64_t max_tets = 0x7FFFFFFF;
+  std::uint64_t max_vertices = 0x7FFFFFFF;
+};
+
+/// A file whose structure was found sound: every span lies inside the bytes. Nothing else is known: indices
+/// and references may be anything, so code that follows them must check each one (see TrustedView).
+/// The bytes must outlive the view, which copies none of them.
+class FileView {
+ public:
+  /// Checks Level::structure, O(number of sections), allocates nothing that grows with the file.
+  /// `bytes` must be aligned to 8 bytes, as mappings and vectors are. Returns the first problem found.
+  static Result<FileView> open(std::span<const std::byte> bytes, const Limits& limits = {});
+
+  const FileHeader& header() const { return *reinterpret_cast<const FileHeader*>(bytes_.data()); }
+  std::span<const SectionEntry> sections() const { return sections_; }
+  Layout layout() const { return static_cast<Layout>(header().tet_stride); }
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+  std::span<const Vec3f> vertices() const { return vertices_; }
+  /// Empty unless layout() is tet20 (tet16).
+  std::span<const Tet20> tets20() const { return tets20_; }
+  std::span<const Tet16> tets16() const { return tets16_; }
+  Index tet_count() const { return header().tet_count; }
+  std::span<const SourceTet> sources() const { return sources_; }
+  std::span<const Side> sides() const { return sides_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+  std::span<const HullFace> hull() const { return hull_; }
+  /// The stored bytes of a section; empty if the file has none of this kind.
+  std::span<const std::byte> section(SectionKind kind) const;
+  /// Materials that sides may name: the MATL section's count, or 1 (a default) without one.
+  std::uint64_t material_count() const;
+
+ private:
+  FileView() = default;
+  std::span<const std::byte> bytes_;
+  std::span<const SectionEntry> sections_;
+  std::span<const Vec3f> vertices_;
+  std::span<const Tet20> tets20_;
+  std::span<const Tet16> tets16_;
+  std::span<const SourceTet> sources_;
+  std::span<const Side> sides_;
+  std::span<const Triangle> triangles_;
+  std::span<const HullFace> hull_;
+};
+
+}  // namespace tetfmt
