@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// One verb of `tet` is one file, command_<verb>.cpp, and one function of this form: it adds a subcommand with
+// its options and help to `app`, and has the subcommand's callback put the work into `run`. main() parses,
+// then calls `run`, whose value is the exit code. Options live in a shared_ptr that both lambdas hold.
+//
+// Work ends with an exit code, or with tetprep::Failure for a problem that one line can tell; main() prints
+// that line. Data goes to standard output by Output (common/output.hpp), everything else to standard error.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace tetprep {
+
+void add_convert_command(CLI::App& app, std::function<int()>& run);
+void add_validate_command(CLI::App& app, std::function<int()>& run);
+void add_info_command(CLI::App& app, std::function<int()>& run);
+void add_trace_command(CLI::App& app, std::function<int()>& run);
+void add_query_command(CLI::App& app, std::function<int()>& run);
+void add_sample_command(CLI::App& app, std::function<int()>& run);
+
+}  // namespace tetprep
