@@ -3,6 +3,7 @@
 // this header follows it field by field, and the static_asserts pin every size.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -43,16 +44,16 @@ struct FileHeader {
   std::uint32_t tet_stride = 0;  ///< 20 or 16, see Layout
   std::uint32_t vertex_count = 0;
   std::uint32_t tet_count = 0;
-  std::uint32_t side_count = 0;      ///< even: two sides a constrained face
-  std::uint32_t triangle_count = 0;  ///< triangles of the input surface, kept or not
-  std::uint32_t hull_count = 0;      ///< hull faces, at most kMaxHullFaces
-  std::uint32_t source_count = 0;    ///< source tets, at least 1
-  std::array<double, 3> origin{};    ///< model = origin + local
-  std::int32_t grid_exponent = 0;    ///< local coordinates are integers times 2^grid_exponent
-  std::uint32_t flags = 0;           ///< none defined in 1.0: zero
-  std::uint64_t reserved = 0;
-  std::uint64_t toc_hash = 0;     ///< XXH3-64 of the table of contents
-  std::uint64_t header_hash = 0;  ///< XXH3-64 of bytes 0 to 119
+  std::uint32_t side_count = 0;             ///< even: two sides a constrained face
+  std::uint32_t triangle_count = 0;         ///< triangles of the input surface, kept or not
+  std::uint32_t hull_count = 0;             ///< hull faces, at most kMaxHullFaces
+  std::uint32_t source_count = 0;           ///< source tets, at least 1
+  std::array<double, 3> origin{};           ///< model = origin + local
+  std::int32_t grid_exponent = 0;           ///< local coordinates are integers times 2^grid_exponent
+  std::uint32_t flags = 0;                  ///< none defined in 1.0: zero
+  std::array<std::uint64_t, 2> reserved{};  ///< zero in 1.0
+  std::uint64_t toc_hash = 0;               ///< XXH3-64 of the table of contents
+  std::uint64_t header_hash = 0;            ///< XXH3-64 of bytes 0 to 119
 };
 static_assert(sizeof(FileHeader) == 128 && offsetof(FileHeader, header_hash) == 120);
 
