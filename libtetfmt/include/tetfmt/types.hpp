@@ -2,8 +2,10 @@
 // The vocabulary shared by every header: indices, references between tetrahedra, points.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 namespace tetfmt {
 
@@ -34,6 +36,18 @@ constexpr Index twin(Index side) { return side ^ 1u; }
 struct Vec3f {
   float x = 0, y = 0, z = 0;
   friend bool operator==(const Vec3f&, const Vec3f&) = default;
+};
+
+/// An axis-aligned box; empty (lower above upper) until a point is added.
+struct Bounds {
+  Vec3f lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
+  void add(const Vec3f& point) {
+    lower = {std::min(lower.x, point.x), std::min(lower.y, point.y), std::min(lower.z, point.z)};
+    upper = {std::max(upper.x, point.x), std::max(upper.y, point.y), std::max(upper.z, point.z)};
+  }
+
+ private:
+  static constexpr float kInfinity = std::numeric_limits<float>::infinity();
 };
 
 /// A tetrahedron with everything that a 20- or 16-byte cell leaves out: what a walk carries along.

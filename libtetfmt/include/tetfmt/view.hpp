@@ -22,7 +22,7 @@ struct Limits {
 /// The bytes must outlive the view, which copies none of them.
 class FileView {
  public:
-  /// Checks Level::structure, O(number of sections), allocates nothing that grows with the file.
+  /// Checks Level::structure, O(sections + hull faces), allocates nothing that grows with the file.
   /// `bytes` must be aligned to 8 bytes, as mappings and vectors are. Returns the first problem found.
   static Result<FileView> open(std::span<const std::byte> bytes, const Limits& limits = {});
 
@@ -42,6 +42,8 @@ class FileView {
   std::span<const HullFace> hull() const { return hull_; }
   /// The stored bytes of a section; empty if the file has none of this kind.
   std::span<const std::byte> section(SectionKind kind) const;
+  /// The box around the hull's vertices: around everything, if the file is valid. O(1).
+  const Bounds& bounds() const { return bounds_; }
   /// Materials that sides may name: the MATL section's count, or 1 (a default) without one.
   std::uint64_t material_count() const;
 
@@ -56,6 +58,7 @@ class FileView {
   std::span<const Side> sides_;
   std::span<const Triangle> triangles_;
   std::span<const HullFace> hull_;
+  Bounds bounds_;
 };
 
 }  // namespace tetfmt

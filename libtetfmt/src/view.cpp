@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "tetfmt/view.hpp"
+
+#include <algorithm>
+
+#include "report.hpp"
+#include "structure.hpp"
+
+namespace tetfmt {
+namespace {
+
+template <class T>
+std::span<const T> typed(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+}
+
+}  // namespace
+
+Result<FileView> FileView::open(std::span<const std::byte> bytes, const Limits& limits) {
+  Report report;
+  detail::check_structure(bytes, limits, report);
+  if (!report.valid()) return detail::first_issue(report);
+
+  FileView view;
+  view.bytes_ = bytes;
+  view.sections_ = detail::table_of_contents(bytes);
+  view.vertices_ = typed<Vec3f>(view.section(kVertices));
+  if (view.layout() == Layout::tet20) view.tets20_ = typed<Tet20>(view.section(kTets));
+  if (view.layout() == Layout::tet16) view.tets16_ = typed<Tet16>(view.section(kTets));
+  view.sources_ = typed<SourceTet>(view.section(kSources));
+  view.sides_ = typed<Side>(view.section(kSides));
+  view.triangles_ = typed<Triangle>(view.section(kTriangles));
+  view.hull_ = typed<HullFace>(view.section(kHullFaces));
+  for (const HullFace& face : view.hull_) {
+    for (const Index id : face.vertices) {
+      if (id < view.vertices_.size()) view.bounds_.add(view.vertices_[id]);
+    }
+  }
+  return view;
+}
+
+std::span<const std::byte> FileView::section(SectionKind kind) const {
+  for (const SectionEntry& entry : sections_)
+    if (entry.kind == kind) return bytes_.subspan(entry.offset, entry.stored_bytes);
+  return {};
+}
+
+std::uint64_t FileView::material_count() const {
+  for (const SectionEntry& entry : sections_)
+    if (entry.kind == kMaterials) return entry.count;
+  return 1;
+}
+
+}  // namespace tetfmt
