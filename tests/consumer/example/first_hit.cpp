@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// The whole of reading: map a file, prove it, find a point, shoot a ray.
+#include <cstdio>
+
+#include "tetfmt/mapped_file.hpp"
+#include "tetfmt/traverse.hpp"
+#include "tetfmt/validate.hpp"
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 1;
+  const auto file = tetfmt::MappedFile::open(argv[1]);
+  if (!file) {
+    std::fprintf(stderr, "%s\n", tetfmt::to_string(file.error()).c_str());
+    return 3;
+  }
+  const auto view = tetfmt::TrustedView::validated(file->bytes());
+  if (!view) {
+    std::fprintf(stderr, "%s\n", tetfmt::to_string(view.error()).c_str());
+    return 3;
+  }
+
+  const tetfmt::Ray ray{{1, 1, 3}, {0, 0, -0.5F}};
+  const tetfmt::Location start = tetfmt::locate(*view, ray.origin);
+  const tetfmt::Hit hit = tetfmt::first_hit(*view, ray, start);
+  if (hit.outcome == tetfmt::Outcome::hit) {
+    std::printf("triangle %u at t = %g, seen from its %s\n", hit.triangle, hit.t,
+                hit.back ? "back" : "front");
+  } else {
+    std::puts("nothing there");
+  }
+  return 0;
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// Writes small valid files into a folder: what the fuzzer starts to mutate from.
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "support/lattice_mesh.hpp"
+#include "tetfmt/encode.hpp"
+
+namespace {
+
+tetfmt::Mesh one_tet() {
+  tetfmt::Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tetfmt::FullTet tet;
+  tet.vertices = {0, 1, 2, 3};
+  tet.neighbors.fill(tetfmt::kHull);
+  mesh.tets = {tet};
+  return mesh;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: fuzz_seeds FOLDER\n", stderr);
+    return 1;
+  }
+  tetfmt_test::LatticeOptions open;
+  open.walls = 5;
+  const std::vector<tetfmt::Mesh> meshes = {one_tet(), tetfmt_test::lattice_mesh(3),
+                                            tetfmt_test::lattice_mesh(3, open)};
+  int written = 0;
+  for (const tetfmt::Mesh& mesh : meshes) {
+    for (const auto layout : {tetfmt::Layout::tet20, tetfmt::Layout::tet16}) {
+      const auto bytes = tetfmt::encode(mesh, layout);
+      std::ofstream file(std::string(argv[1]) + "/seed" + std::to_string(written++) + ".tet",
+                         std::ios::binary);
+      file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      if (!file.flush()) {
+        std::fputs("fuzz_seeds: cannot write\n", stderr);
+        return 2;
+      }
+    }
+  }
+  return 0;
+}
