@@ -23,8 +23,8 @@ struct Ray {
 
 /// How the signs that steer a walk are computed.
 enum class Kernel : std::uint8_t {
-  exact,        ///< float where an error bound certifies the sign, then double, then exact arithmetic
-  float_only,   ///< float signs as they come: can err, but still ends, where rays meet edges and vertices
+  exact,       ///< float where an error bound certifies the sign, then double, then exact arithmetic
+  float_only,  ///< float signs as they come: can err, but still ends, where rays meet edges and vertices
 };
 
 enum class Outcome : std::uint8_t {
@@ -35,8 +35,8 @@ enum class Outcome : std::uint8_t {
 
 struct Hit {
   Outcome outcome = Outcome::miss;
-  bool back = false;        ///< the triangle was met from behind, against its normal (b - a) x (c - a)
-  Index triangle = kNone;   ///< of the input surface, in input order
+  bool back = false;       ///< the triangle was met from behind, against its normal (b - a) x (c - a)
+  Index triangle = kNone;  ///< of the input surface, in input order
   double t = std::numeric_limits<double>::infinity();  ///< in units of the ray's direction; at least 0
   double u = 0, v = 0;      ///< barycentric weights of the input triangle's second and third corner
   Index side = kNone;       ///< the side that was met; twin(side) is beyond
@@ -51,8 +51,9 @@ struct Location {
   Cell cell;  ///< the tetrahedron, if inside
 };
 
-/// Finds the tetrahedron that contains `point` (local coordinates) by a straight walk from `from`, or from the
-/// file's first source tet; constrained faces are crossed by their twins. Exact. At most tet_count + 1 steps.
+/// Finds the tetrahedron that contains `point` (local coordinates) by a straight walk from `from`, or from
+/// the file's first source tet; constrained faces are crossed by their twins. Exact. At most tet_count + 1
+/// steps.
 Location locate(const FileView& view, Vec3f point, const Cell* from = nullptr);
 Location locate(const TrustedView& view, Vec3f point, const Cell* from = nullptr);
 

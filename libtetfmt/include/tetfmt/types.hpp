@@ -23,13 +23,23 @@ using Ref = std::uint32_t;
 inline constexpr Ref kSideBit = 0x80000000u;
 inline constexpr Ref kHull = 0xFFFFFFFFu;
 
-constexpr bool is_tet(Ref ref) { return ref < kSideBit; }
-constexpr bool is_side(Ref ref) { return ref >= kSideBit && ref != kHull; }
-constexpr Ref side_ref(Index side) { return kSideBit | side; }
-constexpr Index side_index(Ref ref) { return ref & ~kSideBit; }
+constexpr bool is_tet(Ref ref) {
+  return ref < kSideBit;
+}
+constexpr bool is_side(Ref ref) {
+  return ref >= kSideBit && ref != kHull;
+}
+constexpr Ref side_ref(Index side) {
+  return kSideBit | side;
+}
+constexpr Index side_index(Ref ref) {
+  return ref & ~kSideBit;
+}
 
 /// The other side of the same constrained face: sides come in twins 2k (front) and 2k + 1 (back).
-constexpr Index twin(Index side) { return side ^ 1u; }
+constexpr Index twin(Index side) {
+  return side ^ 1u;
+}
 
 /// A point or direction in a file's local coordinates: model coordinates minus the file's origin.
 /// float32, no unit of its own (whatever unit the input used).

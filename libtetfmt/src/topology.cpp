@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+#include "topology.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "cells.hpp"
+#include "report.hpp"
+
+namespace tetfmt::detail {
+namespace {
+
+std::string ids(std::span<const Index> values) {
+  std::string text = "(";
+  for (const Index value : values) text += (text.size() > 1 ? " " : "") + str(value);
+  return text + ")";
+}
+
+/// "tet 5", "side 7 (tet 3)" or "the hull", for messages.
+std::string ref_text(Ref ref) {
+  if (ref == kHull) return "the hull";
+  return is_tet(ref) ? "tet " + str(ref) : "side " + str(side_index(ref));
+}
+
+template <class Cells>
+class Walk {
+ public:
+  Walk(const FileView& view, const Cells& cells, Report& report)
+      : view_(view),
+        cells_(cells),
+        report_(report),
+        vertex_count_(static_cast<Index>(view.vertices().size())) {}
+
+  Topology run() {
+    const Index tet_count = view_.tet_count();
+    topology_.tets.resize(tet_count);
+    topology_.side_rank.resize(view_.sides().size());
+    reached_.resize(tet_count);
+    side_uses_.resize(view_.sides().size());
+    hull_seen_.resize(view_.hull().size());
+    queue_.reserve(tet_count);
+
+    start_from_sources();
+    for (std::size_t head = 0; head < queue_.size(); ++head) visit(queue_[head]);
+    check_tables();
+    if (report_.valid()) check_reached();  // after any other problem these would only repeat it
+    return std::move(topology_);
+  }
+
+ private:
+  template <class MakeText>
+  void add(Code code, std::uint64_t where, MakeText&& make_text) {
+    add_issue(report_, code, where, std::forward<MakeText>(make_text));
+  }
+
+  /// Every source tet against its cell; those that are sound seed the walk.
+  void start_from_sources() {
+    for (std::size_t i = 0; i < view_.sources().size(); ++i) {
+      const SourceTet& source = view_.sources()[i];
+      const auto& v = source.vertices;
+      const auto mismatch = [&](const char* what) {
+        add(Code::source_mismatch, i, [&] { return "source tet " + str(i) + ": " + what; });
+      };
+      if (source.reserved != 0) mismatch("the reserved word is not zero");
+      if (source.tet >= view_.tet_count()) {
+        mismatch("names a tet that does not exist");
+      } else if (!(v[0] < v[1] && v[1] < v[2] && v[2] < v[3] && v[3] < vertex_count_)) {
+        mismatch("vertex ids do not ascend, or leave the vertex array");
+      } else if (cells_.vertex_xor(source.tet) != (v[0] ^ v[1] ^ v[2] ^ v[3])) {
+        mismatch("the vertex ids do not give the cell's xor");
+      } else if (cells_.neighbors(source.tet, source.neighbors[3], 3) != source.neighbors) {
+        mismatch("the neighbours are not the cell's");
+      } else if (!reached_[source.tet]) {
+        reach(source.tet, {v, source.neighbors});
+      } else if (topology_.tets[source.tet] != FullTet{v, source.neighbors}) {
+        mismatch("contradicts another source tet");
+      }
+    }
+  }
+
+  void reach(Index t, const FullTet& tet) {
+    reached_[t] = 1;
+    topology_.tets[t] = tet;
+    queue_.push_back(t);
+  }
+
+  void visit(Index t) {
+    const FullTet tet = topology_.tets[t];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Ref ref = tet.neighbors[k];
+      const auto face = face_opposite(tet.vertices, k);
+      if (ref == kHull) {
+        leave_hull(t, face);
+      } else if (is_side(ref)) {
+        cross_side(t, face, k, side_index(ref));
+      } else if (ref >= view_.tet_count()) {
+        add(Code::reference_range, t, [&] { return "tet " + str(t) + " refers to " + ref_text(ref); });
+      } else if (ref == t) {
+        add(Code::self_neighbor, t, [&] { return "tet " + str(t) + " refers to itself"; });
+      } else {
+        if (std::count(tet.neighbors.begin() + static_cast<std::ptrdiff_t>(k) + 1, tet.neighbors.end(), ref))
+          add(Code::duplicate_neighbor, t,
+              [&] { return "tet " + str(t) + " refers twice to " + ref_text(ref); });
+        enter(ref, face, t);
+      }
+    }
+  }
+
+  void leave_hull(Index t, const std::array<Index, 3>& face) {
+    const auto hull = view_.hull();
+    const HullFace wanted = {t, face};
+    const auto found = std::lower_bound(hull.begin(), hull.end(), wanted);
+    const auto i = static_cast<std::size_t>(found - hull.begin());
+    if (found == hull.end() || *found != wanted) {
+      add(Code::hull_mismatch, t,
+          [&] { return "hull face " + ids(face) + " of tet " + str(t) + " is not listed"; });
+    } else {
+      hull_seen_[i] = 1;
+    }
+  }
+
+  void cross_side(Index t, const std::array<Index, 3>& face, std::size_t k, Index side) {
+    const auto sides = view_.sides();
+    if (side >= sides.size()) {
+      add(Code::reference_range, t, [&] { return "tet " + str(t) + " refers to side " + str(side); });
+      return;
+    }
+    if (side_uses_[side] < 2) ++side_uses_[side];
+    topology_.side_rank[side] = static_cast<std::uint8_t>(k);
+    if (sides[side].tet != t) {
+      add(Code::side_tet, side, [&] {
+        return "side " + str(side) + " names tet " + str(sides[side].tet) + ", tet " + str(t) +
+               " refers to it";
+      });
+    }
+    const Index beyond = sides[twin(side)].tet;
+    if (beyond >= view_.tet_count()) {
+      add(Code::reference_range, twin(side),
+          [&] { return "side " + str(twin(side)) + " names tet " + str(beyond) + ", which does not exist"; });
+      return;
+    }
+    enter(beyond, face, side_ref(twin(side)));
+  }
+
+  /// Tetrahedron `t` is entered across `face`, behind which it must refer to `previous`.
+  void enter(Index t, const std::array<Index, 3>& face, Ref previous) {
+    const Index apex = cells_.vertex_xor(t) ^ face[0] ^ face[1] ^ face[2];
+    const std::size_t apex_rank = rank(apex, face[0], face[1], face[2]);
+    if (!reached_[t]) {
+      if (apex >= vertex_count_) {
+        add(Code::vertex_range, t, [&] {
+          return "tet " + str(t) + ", entered across face " + ids(face) + ", would have vertex " + str(apex);
+        });
+      } else if (apex == face[0] || apex == face[1] || apex == face[2]) {
+        add(Code::repeated_vertex, t, [&] {
+          return "tet " + str(t) + ", entered across face " + ids(face) + ", would have vertex " + str(apex) +
+                 " twice";
+        });
+      } else {
+        const FullTet tet = {insert_apex(face, apex, apex_rank), cells_.neighbors(t, previous, apex_rank)};
+        if (tet.neighbors[apex_rank] != previous) asymmetric(t, tet.neighbors[apex_rank], previous);
+        reach(t, tet);
+      }
+      return;
+    }
+    const FullTet& tet = topology_.tets[t];
+    if (tet.vertices != insert_apex(face, apex, apex_rank)) {
+      add(Code::face_mismatch, t, [&] {
+        return "tet " + str(t) + " " + ids(tet.vertices) + " has no face " + ids(face) + ", across which " +
+               ref_text(previous) + " leads to it";
+      });
+    } else if (tet.neighbors[apex_rank] != previous) {
+      asymmetric(t, tet.neighbors[apex_rank], previous);
+    }
+  }
+
+  void asymmetric(Index t, Ref found, Ref expected) {
+    add(Code::asymmetric, t, [&] {
+      return "tet " + str(t) + " refers to " + ref_text(found) + " across the face where " +
+             ref_text(expected) + " leads to it";
+    });
+  }
+
+  void check_tables() {
+    const auto triangles = view_.triangles();
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const auto& v = triangles[i].vertices;
+      const bool none = v[0] == kNone && v[1] == kNone && v[2] == kNone;
+      const bool whole =
+          std::max({v[0], v[1], v[2]}) < vertex_count_ && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+      if (!none && !whole) {
+        add(Code::triangle_corner, i, [&] { return "triangle " + str(i) + " has corners " + ids(v); });
+      }
+    }
+    const auto sides = view_.sides();
+    for (Index i = 0; i < sides.size(); ++i) {
+      const Side& side = sides[i];
+      if (side.triangle >= triangles.size() || triangles[side.triangle].dropped()) {
+        add(Code::triangle_range, i, [&] {
+          return "side " + str(i) + " names triangle " + str(side.triangle) + ", absent or dropped";
+        });
+      }
+      if (side.material >= view_.material_count()) {
+        add(Code::material_range, i, [&] {
+          return "side " + str(i) + " names material " + str(side.material) + " of " +
+                 str(view_.material_count());
+        });
+      }
+      const Side& other = sides[twin(i)];
+      if (i % 2 == 0 && (side.triangle != other.triangle || side.material != other.material)) {
+        add(Code::twin_mismatch, i, [&] {
+          return "sides " + str(i) + " and " + str(i + 1) + " name triangles " + str(side.triangle) +
+                 " and " + str(other.triangle) + ", materials " + str(side.material) + " and " +
+                 str(other.material);
+        });
+      }
+      if (side_uses_[i] != 1) {
+        add(Code::side_unreferenced, i, [&] {
+          return "side " + str(i) + " is referred to by " +
+                 (side_uses_[i] ? "several faces" : "no tetrahedron");
+        });
+      }
+    }
+    for (std::size_t i = 0; i < hull_seen_.size(); ++i) {
+      if (hull_seen_[i]) continue;
+      add(Code::hull_mismatch, i, [&] {
+        const HullFace& face = view_.hull()[i];
+        return "hull face " + str(i) + ": tet " + str(face.tet) + " with " + ids(face.vertices) +
+               " is no hull face";
+      });
+    }
+  }
+
+  void check_reached() {
+    std::vector<std::uint8_t> used(vertex_count_);
+    for (Index t = 0; t < view_.tet_count(); ++t) {
+      if (reached_[t]) {
+        for (const Index id : topology_.tets[t].vertices) used[id] = 1;
+      } else {
+        add(Code::unreachable, t, [&] { return "no source tet leads to tet " + str(t); });
+      }
+    }
+    for (Index id = 0; id < vertex_count_; ++id)
+      if (!used[id])
+        add(Code::orphan_vertex, id, [&] { return "vertex " + str(id) + " belongs to no tetrahedron"; });
+  }
+
+  const FileView& view_;
+  const Cells cells_;
+  Report& report_;
+  const Index vertex_count_;
+  Topology topology_;
+  std::vector<std::uint8_t> reached_, side_uses_, hull_seen_;
+  std::vector<Index> queue_;
+};
+
+}  // namespace
+
+Topology check_topology(const FileView& view, Report& report) {
+  return with_cells(view, [&](const auto& cells) { return Walk(view, cells, report).run(); });
+}
+
+}  // namespace tetfmt::detail
