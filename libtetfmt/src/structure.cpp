@@ -122,7 +122,8 @@ void check_entry(const SectionEntry& entry, std::uint64_t where, const FileHeade
               [&] { return "section " + kind_text(entry.kind) + " uses codec " + str(entry.codec); });
   }
   const std::uint32_t stride = known_stride(entry.kind, header);
-  if (stride != 0 && entry.stride != stride) bad("stride", entry.stride);
+  // Without a stride, nothing would tie the count (of materials, say) to the bytes that are there.
+  if (entry.stride == 0 || (stride != 0 && entry.stride != stride)) bad("stride", entry.stride);
 
   // count * stride by division: the product itself may overflow.
   const bool agrees = entry.stride == 0 ? entry.raw_bytes == 0
