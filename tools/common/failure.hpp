@@ -18,7 +18,8 @@ enum class ExitCode : int {
   differs = 7,      ///< a comparison found a difference
 };
 
-/// Thrown by the tools, never by libtetfmt. what() is one line: what, where (file:line or element), what to do.
+/// Thrown by the tools, never by libtetfmt. what() is one line: what, where (file:line or element), what to
+/// do.
 class Failure : public std::runtime_error {
  public:
   Failure(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
