@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+// One walk for everything: along a line, from tetrahedron to tetrahedron (appendix B, algorithms 1 to 4).
+//
+// The line is tracked by the face it goes through. Projected along the line onto a coordinate plane, the line
+// is the origin and the face a triangle around it, counter-clockwise. Each new vertex splits the plane by two
+// signs into the three possible exits, and takes the place of the vertex that is left behind.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "cells.hpp"
+#include "predicates.hpp"
+#include "tetfmt/types.hpp"
+#include "tetfmt/view.hpp"
+
+namespace tetfmt::detail {
+
+inline Vec3d to_vec3d(const Vec3f& p) {
+  return {p.x, p.y, p.z};
+}
+
+template <class Real>
+struct Point2 {
+  Real x = 0, y = 0;
+};
+
+/// Shear along the line onto the plane orthogonal to its largest component k (Woop, Benthin and Wald 2013):
+/// x = A_i - A_k d_i/d_k, y = A_j - A_k d_j/d_k with A = point - origin. Then x_a y_b - y_a x_b has the sign
+/// of det[d, a - o, b - o]: i and j are swapped where d_k is negative. The two ratios are at most 1.
+template <class Real>
+class Projection {
+ public:
+  explicit Projection(const Line& line) {
+    const Vec3d& d = line.direction;
+    for (std::size_t axis = 1; axis < 3; ++axis)
+      if (std::abs(d[axis]) > std::abs(d[k_])) k_ = axis;
+    i_ = (k_ + 1) % 3;
+    j_ = (k_ + 2) % 3;
+    if (d[k_] < 0) std::swap(i_, j_);
+    origin_i_ = static_cast<Real>(line.origin[i_]);
+    origin_j_ = static_cast<Real>(line.origin[j_]);
+    origin_k_ = static_cast<Real>(line.origin[k_]);
+    slope_i_ = static_cast<Real>(d[i_] / d[k_]);
+    slope_j_ = static_cast<Real>(d[j_] / d[k_]);
+  }
+
+  Point2<Real> operator()(const Vec3f& point) const {
+    const float* coordinate = &point.x;  // x, y, z are contiguous: Vec3f mirrors the file
+    const Real depth = static_cast<Real>(coordinate[k_]) - origin_k_;
+    return {static_cast<Real>(coordinate[i_]) - origin_i_ - depth * slope_i_,
+            static_cast<Real>(coordinate[j_]) - origin_j_ - depth * slope_j_};
+  }
+
+ private:
+  std::size_t i_ = 0, j_ = 0, k_ = 0;
+  Real origin_i_ = 0, origin_j_ = 0, origin_k_ = 0, slope_i_ = 0, slope_j_ = 0;
+};
+
+/// Signs as single precision gives them. A walk by these can go wrong where the line meets edges and
+/// vertices.
+class FloatSigns {
+ public:
+  using Real = float;
+  FloatSigns(const Line& line, const Bounds&, std::span<const Vec3f>) : project_(line) {}
+  Point2<float> project(const Vec3f& point) const { return project_(point); }
+  bool left(const Point2<float>& a, Index, const Point2<float>& b, Index) const {
+    return a.x * b.y - a.y * b.x > 0;
+  }
+
+ private:
+  Projection<float> project_;
+};
+
+/// Exact signs: double precision, certified by one constant a line, and predicates.hpp for the rest.
+///
+/// With u = 2^-53 and all |A| at most L in each coordinate: A and the slopes carry one rounding each (a slope
+/// of a line through a point, three), their product and the difference one more, so each projected coordinate
+/// is off by at most 10 u L (to first order) and is at most 2 L. A cross product x_a y_b - y_a x_b then is
+/// off by at most 4 * (10 u L) * 2 L for its inputs and 2 * u * 8 L^2 for its own roundings: 96 u L^2; 128
+/// leaves room for all terms of second order.
+class ExactSigns {
+ public:
+  using Real = double;
+  ExactSigns(const Line& line, const Bounds& bounds, std::span<const Vec3f> vertices)
+      : project_(line), line_(line), vertices_(vertices) {
+    const Vec3d lower = to_vec3d(bounds.lower), upper = to_vec3d(bounds.upper);
+    double reach = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      reach = std::max({reach, std::abs(lower[i] - line.origin[i]), std::abs(upper[i] - line.origin[i])});
+    threshold_ = 128 * 0x1p-53 * reach * reach;
+  }
+  Point2<double> project(const Vec3f& point) const { return project_(point); }
+  bool left(const Point2<double>& a, Index a_id, const Point2<double>& b, Index b_id) const {
+    const double cross = a.x * b.y - a.y * b.x;
+    if (cross > threshold_) return true;
+    if (cross < -threshold_) return false;
+    return left_exactly(a_id, b_id);
+  }
+
+ private:
+  [[gnu::noinline, gnu::cold]] bool left_exactly(Index a, Index b) const {
+    return passes_left(line_, {vertices_[a], a}, {vertices_[b], b});
+  }
+
+  Projection<double> project_;
+  const Line& line_;
+  std::span<const Vec3f> vertices_;
+  double threshold_ = 0;
+};
+
+/// Where a walk is about to go: out of `from` (kNone: out of the void) through the face `ids`, which the line
+/// crosses counter-clockwise, into whatever `ref` names.
+struct Passage {
+  Index from = kNone;
+  std::array<Index, 3> ids{};
+  Ref ref = kHull;
+};
+
+/// The tetrahedron that the walk is leaving: what is known of it at that moment.
+struct Leaving {
+  Index tet;
+  Ref previous;                ///< by what it was entered
+  std::array<Index, 3> ids{};  ///< the exit face, crossed counter-clockwise
+  Index apex;                  ///< the vertex opposite the entry face (one of ids)
+  Index left_behind;           ///< the vertex opposite the exit face
+  Ref ref;                     ///< what lies across the exit face
+};
+
+/// Walks from tetrahedron `tet`, entered by reference `previous` through `ids`. After each tetrahedron,
+/// `on_exit(Leaving)` says whether to go on: it gets the reference by value and returns the tetrahedron to
+/// enter and the reference to have come by, or nothing to stop. kChecked: every index is looked at before
+/// use. Returns the number of tetrahedra visited, or nothing if the bytes do not describe a mesh. Tetrahedra
+/// are convex and disjoint, so a straight line enters each at most once: more steps than tetrahedra mean a
+/// cycle.
+struct Continue {
+  Index tet = kNone;  ///< kNone: stop
+  Ref previous = kHull;
+};
+template <bool kChecked, class Cells, class Signs, class OnExit>
+std::optional<std::uint32_t> walk(const FileView& view, const Cells& cells, const Signs& signs, Index tet,
+                                  Ref previous, const std::array<Index, 3>& ids, OnExit&& on_exit) {
+  const Vec3f* const vertices = view.vertices().data();
+  const auto vertex_count = static_cast<Index>(view.vertices().size());
+  const Index tet_count = view.tet_count();
+  Index i0 = ids[0], i1 = ids[1], i2 = ids[2];
+  auto p0 = signs.project(vertices[i0]), p1 = signs.project(vertices[i1]), p2 = signs.project(vertices[i2]);
+
+  for (std::uint32_t steps = 1; steps <= tet_count; ++steps) {
+    if constexpr (kChecked) {
+      if (tet >= tet_count) return std::nullopt;
+    }
+    const Index apex = cells.vertex_xor(tet) ^ i0 ^ i1 ^ i2;
+    if constexpr (kChecked) {
+      if (apex >= vertex_count) return std::nullopt;
+    }
+    const auto p3 = signs.project(vertices[apex]);
+    std::size_t entry_rank = 0;
+    if constexpr (Cells::kNeedsEntryRank) entry_rank = rank(apex, i0, i1, i2);
+
+    // The exit is the face towards -p3: between p1 and p2, p2 and p0, or p0 and p1.
+    Index out;
+    Ref ref;
+    const auto leave = [&](Index& id, auto& p, Index other0, Index other1) {
+      out = id;
+      ref = cells.next(tet, previous, entry_rank, rank(out, other0, other1, apex));
+      id = apex;
+      p = p3;
+    };
+    if (signs.left(p0, i0, p3, apex)) {
+      if (signs.left(p2, i2, p3, apex)) {
+        leave(i0, p0, i1, i2);
+      } else {
+        leave(i1, p1, i0, i2);
+      }
+    } else {
+      if (signs.left(p1, i1, p3, apex)) {
+        leave(i2, p2, i0, i1);
+      } else {
+        leave(i0, p0, i1, i2);
+      }
+    }
+    const Continue on = on_exit(Leaving{tet, previous, {i0, i1, i2}, apex, out, ref});
+    if (on.tet == kNone) return steps;
+    tet = on.tet;
+    previous = on.previous;
+  }
+  return std::nullopt;
+}
+
+/// The face by which the line leaves `cell`, if it passes through it (after perturbation).
+template <class Signs>
+std::optional<Passage> exit_of(const FileView& view, const Signs& signs, const Cell& cell) {
+  const auto& v = cell.vertices;
+  const auto points = view.vertices();
+  std::array<Point2<typename Signs::Real>, 4> p;
+  std::array<Corner, 4> corner;
+  for (std::size_t k = 0; k < 4; ++k) {
+    corner[k] = {points[v[k]], v[k]};
+    p[k] = signs.project(points[v[k]]);
+  }
+  const bool positive = !behind(corner[0], corner[1], corner[2], to_vec3d(corner[3].point));
+  for (std::size_t k = 0; k < 4; ++k) {
+    // The face opposite k, ascending, has its normal towards the apex if the tetrahedron is positive and k
+    // odd, or neither: then two corners are swapped to turn it outwards.
+    std::array<std::size_t, 3> f = {k == 0 ? 1u : 0u, k <= 1 ? 2u : 1u, k == 3 ? 2u : 3u};
+    if (positive == (k % 2 == 1)) std::swap(f[1], f[2]);
+    const auto left = [&](std::size_t a, std::size_t b) {
+      return signs.left(p[f[a]], v[f[a]], p[f[b]], v[f[b]]);
+    };
+    if (left(0, 1) && left(1, 2) && left(2, 0))
+      return Passage{cell.tet, {v[f[0]], v[f[1]], v[f[2]]}, cell.neighbors[k]};
+  }
+  return std::nullopt;
+}
+
+/// True if a cell that came from outside may be used with this view: its indices exist.
+inline bool in_range(const FileView& view, const Cell& cell) {
+  return cell.tet < view.tet_count() && *std::max_element(cell.vertices.begin(), cell.vertices.end()) <
+                                            static_cast<Index>(view.vertices().size());
+}
+
+}  // namespace tetfmt::detail
