@@ -1,0 +1,483 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// One small broken file for every code of issues.def: each is a valid file with one thing made wrong (and the
+// hashes made to match), so that the code is what the edit deserves and no by-product.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include "format_support.hpp"
+#include "tetfmt/mapped_file.hpp"
+
+namespace tetfmt_test {
+namespace {
+
+using tetfmt::Code;
+using tetfmt::Layout;
+using tetfmt::Level;
+using tetfmt::Mesh;
+
+struct Case {
+  Code code;
+  const char* what;
+  std::function<Bytes()> make;
+};
+
+/// A valid Tet20 lattice file, edited as bytes, hashes recomputed.
+Bytes edited(const std::function<void(Bytes&)>& edit) {
+  Bytes bytes = tetfmt::encode(full_mesh(3), Layout::tet20);
+  edit(bytes);
+  tetfmt::rehash(bytes);
+  return bytes;
+}
+
+/// A valid lattice mesh, edited before it is encoded.
+Bytes remeshed(const std::function<void(Mesh&)>& edit) {
+  Mesh mesh = full_mesh(3);
+  edit(mesh);
+  return tetfmt::encode(mesh, Layout::tet20);
+}
+
+tetfmt::Tet20& cell(Bytes& bytes, Index t) {
+  return element<tetfmt::Tet20>(bytes, tetfmt::kTets, t);
+}
+
+/// A tet that the walk enters first from tet 3, the second source, and the ids at their shared face.
+struct Step {
+  Index tet;
+  Index apex, on_face;
+};
+Step step_from_source() {
+  const Mesh mesh = full_mesh(3);
+  const Index source = mesh.sources[1];
+  for (std::size_t k = 0; k < 4; ++k) {
+    const tetfmt::Ref ref = mesh.tets[source].neighbors[k];
+    if (!tetfmt::is_tet(ref)) continue;
+    const auto& v = mesh.tets[source].vertices;
+    for (const Index id : mesh.tets[ref].vertices)
+      if (std::find(v.begin(), v.end(), id) == v.end()) return {ref, id, v[k == 0 ? 1 : 0]};
+  }
+  throw std::logic_error("tet 3 has no free face");
+}
+
+/// A cell with two free neighbours, and their slots.
+struct TwoSlots {
+  Index tet;
+  std::size_t first, second;
+};
+TwoSlots two_free_slots() {
+  const Mesh mesh = full_mesh(3);
+  for (Index t = 4; t < mesh.tets.size(); ++t) {
+    if (t == mesh.sources[0]) continue;
+    std::vector<std::size_t> slots;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (tetfmt::is_tet(mesh.tets[t].neighbors[k])) slots.push_back(k);
+    if (slots.size() >= 2) return {t, slots[0], slots[1]};
+  }
+  throw std::logic_error("no such tet");
+}
+
+const std::vector<Case>& cases() {
+  using namespace tetfmt;
+  static const std::vector<Case> all = {
+      {Code::too_short, "no bytes", [] { return Bytes(); }},
+      {Code::too_short, "127 bytes",
+       [] {
+         Bytes bytes = encode(one_tet(), Layout::tet20);
+         bytes.resize(127);
+         return bytes;
+       }},
+      {Code::bad_magic, "CR LF became LF", [] { return edited([](Bytes& b) { b.erase(b.begin() + 4); }); }},
+      {Code::bad_magic, "high bit cleared", [] { return edited([](Bytes& b) { b[0] = std::byte{9}; }); }},
+      {Code::unsupported_major, "version 2", [] { return edited([](Bytes& b) { header(b).major = 2; }); }},
+      {Code::header_field, "header_bytes", [] { return edited([](Bytes& b) { ++header(b).header_bytes; }); }},
+      {Code::header_field, "toc_offset", [] { return edited([](Bytes& b) { header(b).toc_offset = 192; }); }},
+      {Code::header_field, "stride", [] { return edited([](Bytes& b) { header(b).tet_stride = 24; }); }},
+      {Code::header_field, "no tets", [] { return edited([](Bytes& b) { header(b).tet_count = 0; }); }},
+      {Code::header_field, "odd sides", [] { return edited([](Bytes& b) { --header(b).side_count; }); }},
+      {Code::header_field, "no source", [] { return edited([](Bytes& b) { header(b).source_count = 0; }); }},
+      {Code::header_field, "grid", [] { return edited([](Bytes& b) { header(b).grid_exponent = 104; }); }},
+      {Code::header_field, "flags", [] { return edited([](Bytes& b) { header(b).flags = 1; }); }},
+      {Code::header_field, "reserved", [] { return edited([](Bytes& b) { header(b).reserved[1] = 1; }); }},
+      {Code::file_length, "one byte missing", [] { return edited([](Bytes& b) { b.pop_back(); }); }},
+      {Code::file_length, "a byte that no section has",
+       [] {
+         return edited([](Bytes& b) {
+           b.push_back(std::byte{0});
+           header(b).file_bytes = b.size();
+         });
+       }},
+      {Code::toc_range, "255 sections",
+       [] {
+         Bytes bytes = encode(full_mesh(7), Layout::tet20);
+         header(bytes).toc_count = 255;
+         rehash(bytes);
+         return bytes;
+       }},
+      {Code::toc_range, "more sections than bytes",
+       [] {
+         Bytes bytes = encode(two_tets(), Layout::tet20);
+         header(bytes).toc_count = 13;
+         rehash(bytes);
+         return bytes;
+       }},
+      {Code::section_field, "not required",
+       [] { return edited([](Bytes& b) { entry(b, kVertices).flags = 0; }); }},
+      {Code::section_field, "flag", [] { return edited([](Bytes& b) { entry(b, kVertices).flags = 5; }); }},
+      {Code::section_field, "META required",
+       [] { return edited([](Bytes& b) { entry(b, kMetadata).flags = 1; }); }},
+      {Code::section_field, "version", [] { return edited([](Bytes& b) { entry(b, kSides).version = 2; }); }},
+      {Code::section_field, "stride",
+       [] {
+         return edited([](Bytes& b) {
+           entry(b, kVertices).stride = 24;
+           entry(b, kVertices).count /= 2;
+         });
+       }},
+      {Code::section_field, "reserved",
+       [] { return edited([](Bytes& b) { entry(b, kSides).reserved = 1; }); }},
+      {Code::section_offset, "64 too far",
+       [] { return edited([](Bytes& b) { entry(b, kSides).offset += 64; }); }},
+      {Code::section_offset, "overlap", [] { return edited([](Bytes& b) { entry(b, kSides).offset = 0; }); }},
+      {Code::section_length, "count", [] { return edited([](Bytes& b) { ++entry(b, kTets).count; }); }},
+      {Code::section_length, "product overflows",
+       [] {
+         return edited([](Bytes& b) {
+           // 2^62 * 20 is 0 in 64 bits, so this product comes out right.
+           entry(b, kTets).count += std::uint64_t{1} << 62;
+         });
+       }},
+      {Code::section_length, "beyond the file",
+       [] {
+         return edited([](Bytes& b) {
+           auto& meta = entry(b, kMetadata);
+           meta.count = meta.raw_bytes = meta.stored_bytes = meta.stored_bytes + 1;
+         });
+       }},
+      {Code::section_length, "sum overflows",
+       [] {
+         return edited([](Bytes& b) {
+           auto& meta = entry(b, kMetadata);
+           meta.count = meta.raw_bytes = meta.stored_bytes = ~std::uint64_t{0} - meta.offset + 2;
+         });
+       }},
+      {Code::duplicate_section, "two SIDE",
+       [] {
+         Bytes bytes = encode(two_tets(), Layout::tet20);
+         std::vector<Part> parts = disassemble(bytes);
+         parts.push_back(parts[4]);
+         return assemble(header(bytes), parts);
+       }},
+      {Code::missing_section, "no HULL",
+       [] {
+         Bytes bytes = encode(two_tets(), Layout::tet20);
+         std::vector<Part> parts = disassemble(bytes);
+         parts.erase(parts.begin() + 1);
+         return assemble(header(bytes), parts);
+       }},
+      {Code::unknown_required_section, "PAGE",
+       [] {
+         SectionEntry page;
+         page.kind = section_kind("PAGE");
+         page.flags = kRequired;
+         page.stride = 1;
+         return with_section(encode(two_tets(), Layout::tet20), page, "");
+       }},
+      {Code::unsupported_codec, "codec 1",
+       [] { return edited([](Bytes& b) { entry(b, kTets).codec = 1; }); }},
+      {Code::padding, "after SRCE",
+       [] {
+         return edited([](Bytes& b) {
+           const auto& source = entry(b, kSources);
+           b[source.offset + source.stored_bytes] = std::byte{1};
+         });
+       }},
+      {Code::count_mismatch, "triangles",
+       [] { return edited([](Bytes& b) { --header(b).triangle_count; }); }},
+      {Code::count_mismatch, "vertices", [] { return edited([](Bytes& b) { ++header(b).vertex_count; }); }},
+      {Code::limit, "hull of 4097", [] { return edited([](Bytes& b) { header(b).hull_count = 4097; }); }},
+      {Code::limit, "2^31 tets", [] { return edited([](Bytes& b) { header(b).tet_count = 0x80000000; }); }},
+      {Code::limit, "sources", [] { return edited([](Bytes& b) { header(b).source_count = 163; }); }},
+      {Code::header_hash, "origin",
+       [] {
+         Bytes bytes = encode(two_tets(), Layout::tet20);
+         header(bytes).origin[0] += 1;
+         return bytes;
+       }},
+      {Code::toc_hash, "flags",
+       [] {
+         Bytes bytes = encode(two_tets(), Layout::tet20);
+         entry(bytes, kVertices).flags |= kSafeToCopy;
+         return bytes;
+       }},
+      {Code::section_hash, "a vertex",
+       [] {
+         Bytes bytes = encode(two_tets(), Layout::tet20);
+         element<Vec3f>(bytes, kVertices, 1).z += 0.25f;
+         return bytes;
+       }},
+
+      {Code::reference_range, "tet", [] { return edited([](Bytes& b) { cell(b, 7).neighbors[2] = 162; }); }},
+      {Code::reference_range, "side",
+       [] { return edited([](Bytes& b) { cell(b, 7).neighbors[2] = side_ref(24); }); }},
+      {Code::reference_range, "a side's tet",
+       [] { return edited([](Bytes& b) { element<Side>(b, kSides, 5).tet = 162; }); }},
+      {Code::vertex_range, "high bit",
+       [] { return edited([](Bytes& b) { cell(b, 7).vertex_xor ^= 0x80000000; }); }},
+      {Code::repeated_vertex, "apex on the face",
+       [] {
+         return edited([](Bytes& b) {
+           const Step step = step_from_source();
+           cell(b, step.tet).vertex_xor ^= step.apex ^ step.on_face;
+         });
+       }},
+      {Code::self_neighbor, "itself",
+       [] {
+         return edited([](Bytes& b) {
+           cell(b, two_free_slots().tet).neighbors[two_free_slots().first] = two_free_slots().tet;
+         });
+       }},
+      {Code::duplicate_neighbor, "twice",
+       [] {
+         return edited([](Bytes& b) {
+           const TwoSlots at = two_free_slots();
+           cell(b, at.tet).neighbors[at.first] = cell(b, at.tet).neighbors[at.second];
+         });
+       }},
+      {Code::asymmetric, "one-sided",
+       [] {
+         return edited(
+             [](Bytes& b) { cell(b, two_free_slots().tet).neighbors[two_free_slots().first] = kHull; });
+       }},
+      {Code::face_mismatch, "slots exchanged",
+       [] {
+         return edited([](Bytes& b) {
+           const TwoSlots at = two_free_slots();
+           std::swap(cell(b, at.tet).neighbors[at.first], cell(b, at.tet).neighbors[at.second]);
+         });
+       }},
+      {Code::source_mismatch, "reserved",
+       [] { return edited([](Bytes& b) { element<SourceTet>(b, kSources, 0).reserved = 1; }); }},
+      {Code::source_mismatch, "absent tet",
+       [] { return edited([](Bytes& b) { element<SourceTet>(b, kSources, 0).tet = 162; }); }},
+      {Code::source_mismatch, "another tet",
+       [] { return edited([](Bytes& b) { ++element<SourceTet>(b, kSources, 0).tet; }); }},
+      {Code::source_mismatch, "ids not ascending",
+       [] {
+         return edited([](Bytes& b) {
+           auto& v = element<SourceTet>(b, kSources, 0).vertices;
+           std::swap(v[0], v[1]);
+         });
+       }},
+      {Code::source_mismatch, "neighbour",
+       [] { return edited([](Bytes& b) { element<SourceTet>(b, kSources, 1).neighbors[3] ^= 1; }); }},
+      {Code::source_mismatch, "same tet, other ids of the same xor",
+       [] {
+         return edited([](Bytes& b) {
+           element<SourceTet>(b, kSources, 1) = element<SourceTet>(b, kSources, 0);
+           auto& v = element<SourceTet>(b, kSources, 1).vertices;
+           const Index x = v[0] ^ v[1] ^ v[2] ^ v[3];
+           for (Index a = 0; a < 4; ++a)
+             for (Index d = 60; d < 64; ++d)
+               if (const Index c = x ^ a ^ d ^ 20; c > 20 && c < d && a != v[0]) v = {a, 20, c, d};
+         });
+       }},
+      {Code::unreachable, "an island",
+       [] {
+         Mesh mesh = one_tet();  // tet 1 refers to tet 2 and back; nothing refers to either
+         mesh.tets.push_back({{0, 1, 2, 3}, {2, 2, 2, 2}});
+         mesh.tets.push_back({{0, 1, 2, 3}, {1, 1, 1, 1}});
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::orphan_vertex, "a fifth vertex",
+       [] {
+         Mesh mesh = one_tet();
+         mesh.vertices.push_back({0.25f, 0.25f, 0.25f});
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::hull_mismatch, "order",
+       [] {
+         return edited([](Bytes& b) {
+           std::swap(element<HullFace>(b, kHullFaces, 3), element<HullFace>(b, kHullFaces, 4));
+         });
+       }},
+      {Code::hull_mismatch, "another face",
+       [] { return edited([](Bytes& b) { ++element<HullFace>(b, kHullFaces, 107).vertices[2]; }); }},
+      {Code::hull_mismatch, "the same face twice",
+       [] {
+         return edited(
+             [](Bytes& b) { element<HullFace>(b, kHullFaces, 3) = element<HullFace>(b, kHullFaces, 4); });
+       }},
+
+      {Code::non_finite, "NaN",
+       [] { return remeshed([](Mesh& m) { m.vertices[5].y = std::numeric_limits<float>::quiet_NaN(); }); }},
+      {Code::non_finite, "infinity",
+       [] {
+         return edited(
+             [](Bytes& b) { element<Vec3f>(b, kVertices, 5).x = -std::numeric_limits<float>::infinity(); });
+       }},
+      {Code::non_finite, "origin", [] { return remeshed([](Mesh& m) { m.origin[1] = std::nan(""); }); }},
+      {Code::off_grid, "between grid points",
+       [] { return edited([](Bytes& b) { element<Vec3f>(b, kVertices, 5).y += 0.125f; }); }},
+      {Code::off_grid, "too far",
+       [] { return edited([](Bytes& b) { element<Vec3f>(b, kVertices, 63).y = 0x1.000002p22f; }); }},
+      {Code::grid_not_canonical, "finer than need be",
+       [] { return edited([](Bytes& b) { --header(b).grid_exponent; }); }},
+      {Code::flat, "coplanar",
+       [] {
+         Mesh mesh = one_tet();
+         mesh.vertices[3] = {1, 1, 0};
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::inverted, "both above",
+       [] {
+         Mesh mesh = two_tets();
+         mesh.vertices[3].z = 1.25f;
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::hull_not_convex, "a dent",
+       [] {
+         Mesh mesh = two_tets();
+         mesh.vertices[1].x = 20;
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::overlap, "the same place twice",
+       [] {
+         Mesh mesh = one_tet();
+         mesh.vertices.insert(mesh.vertices.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+         mesh.tets.push_back({{4, 5, 6, 7}, {kHull, kHull, kHull, kHull}});
+         mesh.sources = {0, 1};
+         return encode(mesh, Layout::tet20);
+       }},
+
+      {Code::side_tet, "the next tet",
+       [] { return edited([](Bytes& b) { element<Side>(b, kSides, 4).tet ^= 1; }); }},
+      {Code::side_unreferenced, "a pair that no tet knows",
+       [] { return remeshed([](Mesh& m) {
+              m.sides.insert(m.sides.end(), {{0, 0, 0}, {1, 0, 0}});
+            }); }},
+      {Code::side_unreferenced, "one side, two faces",
+       [] {
+         Mesh mesh = two_tets();
+         mesh.tets[1].neighbors[0] = side_ref(0);
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::twin_mismatch, "triangle", [] { return remeshed([](Mesh& m) { m.sides[3].triangle ^= 1; }); }},
+      {Code::twin_mismatch, "material", [] { return remeshed([](Mesh& m) { m.sides[3].material ^= 1; }); }},
+      {Code::triangle_range, "absent",
+       [] { return remeshed([](Mesh& m) { m.sides[2].triangle = m.sides[3].triangle = 13; }); }},
+      {Code::triangle_range, "dropped",
+       [] { return remeshed([](Mesh& m) { m.sides[2].triangle = m.sides[3].triangle = 12; }); }},
+      {Code::triangle_corner, "twice",
+       [] { return remeshed([](Mesh& m) { m.triangles[2].vertices[1] = m.triangles[2].vertices[2]; }); }},
+      {Code::triangle_corner, "out of range",
+       [] { return remeshed([](Mesh& m) { m.triangles[2].vertices[0] = 64; }); }},
+      {Code::triangle_corner, "half absent",
+       [] { return remeshed([](Mesh& m) { m.triangles[2].vertices[0] = kNone; }); }},
+      {Code::triangle_corner, "half dropped",
+       [] { return remeshed([](Mesh& m) { m.triangles[12].vertices[2] = 0; }); }},
+      {Code::material_range, "no such material",
+       [] { return remeshed([](Mesh& m) { m.sides[2].material = m.sides[3].material = 1; }); }},
+      {Code::off_triangle, "another triangle",
+       [] {
+         return remeshed([](Mesh& m) {
+           for (const std::size_t side : {0u, 1u}) m.sides[side].triangle = (m.sides[side].triangle + 5) % 12;
+         });
+       }},
+      {Code::wrong_side, "corners the other way round",
+       [] {
+         return remeshed([](Mesh& m) { std::swap(m.triangles[4].vertices[1], m.triangles[4].vertices[2]); });
+       }},
+      {Code::not_covered, "a triangle without faces",
+       [] { return remeshed([](Mesh& m) {
+              m.triangles[12].vertices = {0, 1, 5};
+            }); }},
+      {Code::not_covered, "a degenerate triangle without faces",
+       [] { return remeshed([](Mesh& m) {
+              m.triangles[12].vertices = {0, 1, 2};
+            }); }},
+      {Code::not_covered, "one of four faces missing",
+       [] {
+         Mesh mesh = lattice_mesh(4);
+         // Take the last face out of its surface: its two tets become free neighbours.
+         const auto last = static_cast<Index>(mesh.sides.size() - 2);
+         const Index front = mesh.sides[last].tet, back = mesh.sides[last + 1].tet;
+         for (Ref& ref : mesh.tets[front].neighbors)
+           if (ref == side_ref(last)) ref = back;
+         for (Ref& ref : mesh.tets[back].neighbors)
+           if (ref == side_ref(last + 1)) ref = front;
+         mesh.sides.resize(last);
+         return encode(mesh, Layout::tet20);
+       }},
+  };
+  return all;
+}
+
+TEST(BrokenFile, TheUnbrokenOnesAreValid) {
+  for (const Mesh& mesh : {one_tet(), two_tets(), full_mesh(3), full_mesh(7), lattice_mesh(4)}) {
+    const Bytes bytes = tetfmt::encode(mesh, Layout::tet20);
+    EXPECT_TRUE(tetfmt::validate(bytes).valid()) << text(tetfmt::validate(bytes));
+  }
+}
+
+TEST(BrokenFile, IsReportedWithItsCodeAtItsLevel) {
+  for (const Case& broken : cases()) {
+    const std::string name = std::string(tetfmt::code_name(broken.code)) + ": " + broken.what;
+    const Bytes bytes = broken.make();
+    const Level level = tetfmt::code_level(broken.code);
+    const tetfmt::Report report = tetfmt::validate(bytes, level);
+    EXPECT_TRUE(report.issues.count(broken.code)) << name << "\n" << text(report);
+    EXPECT_TRUE(tetfmt::validate(bytes).issues.count(broken.code)) << name;
+    for (const auto& [code, group] : report.issues) {
+      EXPECT_GE(group.count, group.examples.size()) << name;
+      EXPECT_FALSE(group.examples.empty()) << name;
+      for (const tetfmt::Error& example : group.examples) {
+        EXPECT_EQ(example.code, code) << name;
+        EXPECT_FALSE(example.text.empty()) << name;
+        EXPECT_EQ(example.text.find('\n'), std::string::npos) << name;
+      }
+    }
+    // The code's level is the lowest that can report it.
+    if (level > Level::structure) {
+      const auto shallower = tetfmt::validate(bytes, static_cast<Level>(static_cast<int>(level) - 1));
+      EXPECT_FALSE(shallower.issues.count(broken.code)) << name;
+    }
+    EXPECT_FALSE(tetfmt::TrustedView::validated(bytes)) << name;
+  }
+}
+
+// Geometry's cases must be sound in every other respect, or they would prove nothing about the geometric
+// check.
+TEST(BrokenFile, GeometryCasesPassTopology) {
+  for (const Case& broken : cases()) {
+    if (tetfmt::code_level(broken.code) != Level::geometry) continue;
+    const tetfmt::Report report = tetfmt::validate(broken.make(), Level::topology);
+    EXPECT_TRUE(report.valid()) << tetfmt::code_name(broken.code) << ": " << broken.what << "\n"
+                                << text(report);
+  }
+}
+
+// 1xxx: there are no bytes to validate.
+TEST(BrokenFile, UnreadablePaths) {
+  const auto absent = tetfmt::MappedFile::open("no-such-folder/no-such-file.tet");
+  ASSERT_FALSE(absent);
+  EXPECT_EQ(absent.error().code, Code::cannot_open);
+  EXPECT_NE(absent.error().text.find("no-such-file.tet"), std::string::npos);
+  const auto folder = tetfmt::MappedFile::open(std::filesystem::temp_directory_path().string());
+  ASSERT_FALSE(folder);
+  EXPECT_EQ(folder.error().code, Code::not_a_file);
+}
+
+TEST(BrokenFile, EveryCodeHasACase) {
+  std::set<Code> covered = {Code::cannot_open, Code::not_a_file};  // UnreadablePaths
+  for (const Case& broken : cases()) covered.insert(broken.code);
+#define TETFMT_ISSUE(number, name, level, meaning) \
+  EXPECT_TRUE(covered.count(Code::name)) << "no broken file for " << #name;
+#include "tetfmt/issues.def"
+#undef TETFMT_ISSUE
+}
+
+}  // namespace
+}  // namespace tetfmt_test

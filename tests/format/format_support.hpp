@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// Meshes and byte edits that the format's tests share.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "support/lattice_mesh.hpp"
+#include "tetfmt/encode.hpp"
+#include "tetfmt/validate.hpp"
+#include "tetfmt/view.hpp"
+
+namespace tetfmt_test {
+
+using Bytes = std::vector<std::byte>;
+using tetfmt::Index;
+using tetfmt::kHull;
+using tetfmt::kNone;
+
+inline constexpr tetfmt::Layout kLayouts[] = {tetfmt::Layout::tet20, tetfmt::Layout::tet16};
+
+/// spec/format.md 14.1.
+inline tetfmt::Mesh one_tet() {
+  tetfmt::Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.tets = {{{0, 1, 2, 3}, {kHull, kHull, kHull, kHull}}};
+  mesh.metadata = R"({"title":"one tet"})";
+  return mesh;
+}
+
+/// spec/format.md 14.2 and 14.3.
+inline tetfmt::Mesh two_tets() {
+  tetfmt::Mesh mesh;
+  mesh.origin = {10.5, -2.25, 1000};
+  mesh.vertices = {{-0.75f, -0.5f, 0}, {0, 0.25f, 1.5f}, {1, -0.25f, 0}, {0.25f, 0, -1.25f}, {0, 1.25f, 0}};
+  mesh.tets = {{{0, 1, 2, 4}, {kHull, tetfmt::side_ref(1), kHull, kHull}},
+               {{0, 2, 3, 4}, {kHull, kHull, tetfmt::side_ref(0), kHull}}};
+  mesh.sides = {{1, 1, 0}, {0, 1, 0}};
+  mesh.triangles = {{}, {{2, 0, 4}}};
+  mesh.sources = {1};
+  return mesh;
+}
+
+/// A lattice mesh with everything that a file can hold: subdivided and dropped triangles, two sources, an
+/// origin, a fractional grid, metadata.
+inline tetfmt::Mesh full_mesh(int n) {
+  LatticeOptions options;
+  options.step = 0.25f;
+  options.origin = {1e6, -3.5, 0.125};
+  tetfmt::Mesh mesh = lattice_mesh(n, options);
+  mesh.triangles.push_back({});
+  mesh.sources = {static_cast<Index>(mesh.tets.size() / 2), 3};
+  mesh.metadata = R"({"title":"lattice"})";
+  return mesh;
+}
+
+/// The T at a byte offset, to be read or changed in place.
+template <class T>
+T& at(Bytes& bytes, std::uint64_t offset) {
+  if (offset > bytes.size() || sizeof(T) > bytes.size() - offset) throw std::out_of_range("at: past the end");
+  return *reinterpret_cast<T*>(bytes.data() + offset);
+}
+
+inline tetfmt::FileHeader& header(Bytes& bytes) {
+  return at<tetfmt::FileHeader>(bytes, 0);
+}
+
+/// The entry of a section that is there.
+inline tetfmt::SectionEntry& entry(Bytes& bytes, tetfmt::SectionKind kind) {
+  for (std::uint32_t i = 0; i < header(bytes).toc_count; ++i) {
+    auto& candidate = at<tetfmt::SectionEntry>(bytes, 128 + 64 * std::uint64_t{i});
+    if (candidate.kind == kind) return candidate;
+  }
+  throw std::out_of_range("entry: no such section");
+}
+
+/// Element `index` of a section.
+template <class T>
+T& element(Bytes& bytes, tetfmt::SectionKind kind, std::size_t index) {
+  return at<T>(bytes, entry(bytes, kind).offset + index * sizeof(T));
+}
+
+/// A section taken out of a file, to be put into another.
+struct Part {
+  tetfmt::SectionEntry entry;
+  Bytes contents;
+};
+
+inline std::vector<Part> disassemble(Bytes bytes) {
+  std::vector<Part> parts;
+  for (std::uint32_t i = 0; i < header(bytes).toc_count; ++i) {
+    const auto& found = at<tetfmt::SectionEntry>(bytes, 128 + 64 * std::uint64_t{i});
+    const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(found.offset);
+    parts.push_back({found, Bytes(begin, begin + static_cast<std::ptrdiff_t>(found.stored_bytes))});
+  }
+  return parts;
+}
+
+/// Places the parts in their order and computes offsets, stored lengths and hashes. All else is taken as
+/// given.
+inline Bytes assemble(tetfmt::FileHeader head, std::vector<Part> parts) {
+  Bytes bytes(128 + 64 * parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    bytes.resize((bytes.size() + 63) / 64 * 64);
+    parts[i].entry.offset = bytes.size();
+    parts[i].entry.stored_bytes = parts[i].contents.size();
+    bytes.insert(bytes.end(), parts[i].contents.begin(), parts[i].contents.end());
+    at<tetfmt::SectionEntry>(bytes, 128 + 64 * i) = parts[i].entry;
+  }
+  head.toc_count = static_cast<std::uint32_t>(parts.size());
+  head.file_bytes = bytes.size();
+  header(bytes) = head;
+  tetfmt::rehash(bytes);
+  return bytes;
+}
+
+/// The file with one more section, last in the table of contents and in the file.
+inline Bytes with_section(Bytes bytes, const tetfmt::SectionEntry& added, std::string_view contents) {
+  std::vector<Part> parts = disassemble(bytes);
+  const auto raw = std::as_bytes(std::span(contents.data(), contents.size()));
+  parts.push_back({added, Bytes(raw.begin(), raw.end())});
+  return assemble(header(bytes), parts);
+}
+
+inline std::set<tetfmt::Code> codes(const tetfmt::Report& report) {
+  std::set<tetfmt::Code> found;
+  for (const auto& [code, group] : report.issues) found.insert(code);
+  return found;
+}
+
+/// All first examples, for a failing test's message.
+inline std::string text(const tetfmt::Report& report) {
+  std::string lines;
+  for (const auto& [code, group] : report.issues) lines += tetfmt::to_string(group.examples.front()) + "\n";
+  return lines.empty() ? "no issue" : lines;
+}
+
+}  // namespace tetfmt_test
