@@ -85,6 +85,11 @@ int main(int argc, char** argv) {
     app.footer(kFooter);
     app.require_subcommand(1);
     add_convert_command(app, run);
+    add_validate_command(app, run);
+    add_info_command(app, run);
+    add_trace_command(app, run);
+    add_query_command(app, run);
+    add_sample_command(app, run);
     return parse_and_run(argc, argv, app, run);
   } catch (const OutputClosed&) {
     std::signal(SIGPIPE, SIG_DFL);

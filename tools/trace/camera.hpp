@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// A pinhole camera, and where to put it when nobody says.
+#pragma once
+
+#include <optional>
+
+#include "tetfmt/view.hpp"
+#include "trace/vector.hpp"
+
+namespace tetprep {
+
+/// What the user may say about the camera, in model coordinates. What is left open is chosen to suit the
+/// surface.
+struct CameraWish {
+  std::optional<Vec3> eye, look_at;
+  Vec3 up{0, 1, 0};
+  double fov = 40;  ///< vertical opening angle in degrees, 0 to 180 exclusive
+};
+
+/// In the file's local coordinates. right, up and forward are orthonormal.
+struct Camera {
+  Vec3 eye, right, up, forward;
+  double half_height = 0;  ///< tangent of half the vertical opening angle
+  double half_width = 0;
+
+  /// Through the picture at (x, y), both 0 to 1 from the upper left corner. Of length 1 or more, not unit.
+  Vec3 direction(double x, double y) const {
+    return forward + ((2 * x - 1) * half_width) * right + ((1 - 2 * y) * half_height) * up;
+  }
+};
+
+/// Fills in what `wish` leaves open. Without an eye, the surface is seen from the front, right and above (a
+/// three-quarter view) at the distance from which all of it just fits; without a look_at, the camera turns to
+/// the middle of the surface. `aspect` is width / height. Throws Failure: usage for a view direction of
+/// length zero or parallel to up (unless up was left at its default: then another is taken), invalid if the
+/// file has no finite point.
+Camera make_camera(const CameraWish& wish, bool up_given, const tetfmt::FileView& view, double aspect);
+
+}  // namespace tetprep
