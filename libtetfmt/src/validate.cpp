@@ -30,6 +30,12 @@ void check_hashes(const FileView& view, Report& report) {
 }  // namespace
 
 Report validate(std::span<const std::byte> bytes, Level level, const Limits& limits) {
+  // Structures are read in place. Bytes that lie where that is not allowed (in the middle of a message, say)
+  // are moved first.
+  if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(FileHeader) != 0) {
+    const std::vector<std::byte> aligned(bytes.begin(), bytes.end());
+    return validate(aligned, level, limits);
+  }
   Report report;
   detail::check_structure(bytes, limits, report);
   if (level == Level::structure || !report.valid()) return report;

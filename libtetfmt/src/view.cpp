@@ -2,6 +2,7 @@
 #include "tetfmt/view.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 #include "report.hpp"
 #include "structure.hpp"
@@ -17,6 +18,7 @@ std::span<const T> typed(std::span<const std::byte> bytes) {
 }  // namespace
 
 Result<FileView> FileView::open(std::span<const std::byte> bytes, const Limits& limits) {
+  assert(reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(FileHeader) == 0);
   Report report;
   detail::check_structure(bytes, limits, report);
   if (!report.valid()) return detail::first_issue(report);
