@@ -147,8 +147,8 @@ void add_knot(Surface& surface, const Knot& knot, std::uint64_t triangles, const
   };
   for (std::uint64_t i = 0; i < along; ++i) {
     for (std::uint64_t j = 0; j < across; ++j) {
-      surface.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)});
-      surface.triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+      surface.triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)});
+      surface.triangles.push_back({vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1)});
     }
   }
 }

@@ -21,7 +21,7 @@ int run_sample(const SampleOptions& options) {
   for (const SurfaceKind& kind : surface_kinds()) {
     if (options.kind != kind.name) continue;
     if (options.triangles < kind.minimum) {
-      throw Failure(ExitCode::usage, "--triangles " + std::to_string(options.triangles) + ": a " + kind.name +
+      throw Failure(ExitCode::usage, "--triangles " + std::to_string(options.triangles) + ": " + kind.name +
                                          " needs at least " + std::to_string(kind.minimum));
     }
     check_mesh_ending(options.output);
@@ -64,7 +64,7 @@ void add_sample_command(CLI::App& app, std::function<int()>& run) {
       ->required()
       ->type_name("MESH");
   verb->add_option("--triangles", options->triangles,
-                   "About how many triangles, within a few percent [20000]; the exact count is printed")
+                   "About how many triangles, within 2 % from 1000 on [20000]; the exact count is printed")
       ->check(CLI::Range(std::uint64_t{1}, kMaxSampleTriangles))
       ->type_name("N");
   verb->add_option("--seed", options->seed, "What the bumps and the placing of knots are drawn from [1]")

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = 3.141592653589793;
 /// How much of the picture's half width and height the surface may fill.
-constexpr double kFill = 0.92;
+constexpr double kFill = 0.88;
 /// The three-quarter view: degrees to the right of the front, and above it.
 constexpr double kAzimuth = 30, kElevation = 18;
 

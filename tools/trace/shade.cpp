@@ -21,16 +21,17 @@ Vec3 triangle_normal(const tetfmt::FileView& view, tetfmt::Index triangle) {
   return size > 0 ? (1 / size) * normal : Vec3{};
 }
 
-/// Two lights fixed to the camera, so that every view is well lit: a key light over its left shoulder, and a
-/// weak headlight that keeps shadowed facets readable. `n` faces the camera.
+/// Lights fixed to the camera, so that every view is well lit: a warm key light over its left shoulder, a
+/// cool headlight that keeps facets on the far side readable, and a little from the sky. `n` faces the
+/// camera.
 Rgb clay(Vec3 n, const Camera& camera) {
-  static const Rgb kClay = from_screen(226, 205, 182);
-  static const Rgb kKeyLight = from_screen(255, 250, 240), kHeadLight = from_screen(214, 226, 255);
-  const Vec3 to_key = unit(-0.55 * camera.right + 0.75 * camera.up - 0.6 * camera.forward);
+  static const Rgb kClay = from_screen(228, 208, 186);
+  static const Rgb kKeyLight = from_screen(255, 249, 238), kHeadLight = from_screen(222, 232, 255);
+  const Vec3 to_key = unit(-0.55 * camera.right + 0.70 * camera.up - 0.65 * camera.forward);
   const double key = std::max(0.0, dot(n, to_key));
   const double head = std::max(0.0, -dot(n, camera.forward));
   const double sky = 0.5 + 0.5 * dot(n, camera.up);
-  const Rgb light = (0.78 * key) * kKeyLight + (0.20 * head + 0.06 * sky) * kHeadLight;
+  const Rgb light = (0.66 * key) * kKeyLight + (0.34 * head + 0.09 * sky) * kHeadLight;
   return {kClay.r * light.r, kClay.g * light.g, kClay.b * light.b};
 }
 
