@@ -2,7 +2,7 @@
 // The converter's types, in the order in which data flows (each arrow is one function in one file):
 //
 //   TriangleSoup -> CleanSurface -> TetMesh -> tetfmt::Mesh -> bytes -> file
-//     read_soup      snap            tetrahedralize  order    encode   write (pipeline.cpp)
+//     read_soup      snap            tetrahedralize  order    encode   convert (pipeline.cpp)
 //
 // Every type's maker establishes its invariants; later stages do not re-check them. All functions throw
 // tetprep::Failure with one line in terms of the input (triangle numbers, coordinates, file:line).
@@ -15,45 +15,93 @@
 
 #include "common/failure.hpp"
 #include "common/progress.hpp"
+#include "prep/stage_log.hpp"
 #include "tetfmt/mesh.hpp"
+#include "tetfmt/orientation.hpp"
 
 namespace tetprep {
 
 using tetfmt::Index;
+using tetfmt::kNone;
+
+/// model = origin + coordinates * 2^grid_exponent, exactly. No coordinate exceeds kMaxCoordinate in size, so
+/// two points differ by at most 2^24 and tetfmt::orientation is exact.
+using GridPoint = tetfmt::GridPoint;
+inline constexpr std::int32_t kMaxCoordinate = 1 << 23;
+
+using Point = std::array<double, 3>;
 
 /// What a mesh file says, polygons triangulated. Invariant: at least one triangle, every index in range,
 /// every coordinate that a triangle uses finite. `triangles` are in file order: their positions are the
 /// "input triangle" numbers of everything that follows.
 struct TriangleSoup {
-  std::vector<std::array<double, 3>> points;
+  std::vector<Point> points;
   std::vector<std::array<Index, 3>> triangles;
 };
 
-/// A point of the grid: model = origin + coordinates * 2^grid_exponent, exactly.
-using GridPoint = std::array<std::int32_t, 3>;
-
-/// The surface on a uniform power-of-two grid: no two points equal, no degenerate and no repeated triangle
-/// (in any orientation). Triangles may still intersect.
+/// The surface on a uniform power-of-two grid: no two points equal, every point used, no degenerate and no
+/// repeated triangle (in any orientation). Triangles may still intersect.
 struct CleanSurface {
-  std::array<double, 3> origin{};
+  Point origin{};
   int grid_exponent = 0;
-  std::vector<GridPoint> points;
+  std::vector<GridPoint> points;                ///< in order of first use
   std::vector<std::array<Index, 3>> triangles;  ///< corner order of the input
   std::vector<Index> input_triangle;            ///< of each triangle, ascending
   Index input_triangle_count = 0;
   Index merged_points = 0, degenerate_triangles = 0, duplicate_triangles = 0;
-  double max_deviation = 0;  ///< largest distance that snapping moved a point, model units
+  double max_deviation = 0;  ///< largest distance that snapping moved a point, model units; 0: none moved
 };
 
 /// A constrained tetrahedralisation of a box around the surface, on the same grid. Positively or negatively
 /// oriented tets alike, none flat; no order of anything is promised.
 struct TetMesh {
-  std::array<double, 3> origin{};
+  Point origin{};
   int grid_exponent = 0;
-  std::vector<GridPoint> points;                ///< the surface's points first, then box and Steiner points
+  std::vector<GridPoint> points;  ///< the surface's points first, then the box's eight, then Steiner points
   std::vector<std::array<Index, 4>> tets;
   std::vector<std::array<Index, 4>> neighbors;  ///< across the face opposite each vertex; kNone at the hull
   std::vector<std::array<Index, 4>> face_triangle;  ///< CleanSurface triangle on that face, or kNone
 };
+
+/// One run of the tetrahedraliser that did not lead to a result.
+struct FailedAttempt {
+  std::string switches, reason;
+};
+
+struct TetrahedralizeOptions {
+  double radius_edge = 20;  ///< bound on circumradius / shortest edge; 0 for none
+  double time_limit = 0;    ///< seconds an attempt may take; 0 chooses by the number of triangles
+  unsigned threads = 1;     ///< for the search for intersections, which runs beside TetGen
+};
+
+/// What happened on the way to a TetMesh.
+struct TetrahedralizeReport {
+  std::string switches;  ///< TetGen's, of the attempt that succeeded
+  std::vector<FailedAttempt> failed_attempts;
+  Index steiner_points = 0;
+  Index moved_steiner_points =
+      0;                      ///< those that could not stay at the grid point nearest to TetGen's position
+  double tetgen_seconds = 0;  ///< of the attempt that succeeded, from first stage to last
+};
+
+/// Reads .obj, .off, .ply (ascii and binary), .stl (both) and .drc by their extension; polygons are cut into
+/// triangles. Failure: io (cannot be read), invalid (contents), unsupported (unknown extension).
+TriangleSoup read_soup(const std::string& path);
+
+/// Puts the surface on a power-of-two grid of about 2^21 steps over its extent. If all coordinates lie on
+/// such a grid already (of at most 2^22 steps), none changes by a bit. Failure (invalid): nothing with an
+/// area is left; (unsupported): coordinates too large or too small for float32. O(n log n).
+CleanSurface snap(const TriangleSoup& soup);
+
+/// Encloses the surface in a box and fills it with tetrahedra, among whose faces is every triangle as it is.
+/// Failure: invalid (triangles intersect: the first few are named), runtime (TetGen died or ran out of time).
+/// The result is checked: exact orientation of every tet, every triangle there, the hull is the box.
+TetMesh tetrahedralize(const CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
+                       StageLog& log, TetrahedralizeReport& report);
+
+/// Renumbers tets and vertices along Hilbert curves and puts everything into the file's terms. The source tet
+/// is the one that contains the box's centre: walks to anywhere start there, and from the middle they are
+/// shortest on average. Deterministic for any number of threads. O(tets log tets).
+tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface);
 
 }  // namespace tetprep

@@ -14,9 +14,12 @@ namespace tetprep {
 namespace {
 
 constexpr const char* kFooter =
-    "Input by extension: .obj, .off, .ply (ascii, binary), .stl (ascii, binary), .drc. Triangles and polygons,\n"
-    "open or closed, connected or not. A surface that intersects itself is refused, and the triangles are named.\n"
-    "Coordinates are put on a power-of-two grid of about 2^21 steps over the extent; those that lie on such a\n"
+    "Input by extension: .obj, .off, .ply (ascii, binary), .stl (ascii, binary), .drc. Triangles and "
+    "polygons,\n"
+    "open or closed, connected or not. A surface that intersects itself is refused, and the triangles are "
+    "named.\n"
+    "Coordinates are put on a power-of-two grid of about 2^21 steps over the extent; those that lie on such "
+    "a\n"
     "grid already keep every bit. The output appears only when it is complete and has passed\n"
     "`tet validate --level geometry`.";
 
@@ -35,15 +38,16 @@ void print(const char* format, Values... values) {
 void print_summary(const Settings& settings, const ConvertReport& report) {
   const auto megabytes = static_cast<double>(report.output_bytes) * 1e-6;
   std::cerr << settings.options.output << ": ";
-  print("%zu triangles, %zu tets, %.2f MB (%.1f bytes a tet), %.2f s of which TetGen %.2f s", report.input_triangles,
-        report.tets, megabytes, static_cast<double>(report.output_bytes) / static_cast<double>(report.tets),
-        report.seconds, report.tetrahedralize.tetgen_seconds);
+  print("%zu triangles, %zu tets, %.2f MB (%.1f bytes a tet), %.2f s of which TetGen %.2f s",
+        report.input_triangles, report.tets, megabytes,
+        static_cast<double>(report.output_bytes) / static_cast<double>(report.tets), report.seconds,
+        report.tetrahedralize.tetgen_seconds);
   if (report.degenerate_triangles + report.duplicate_triangles > 0)
     print("left out: %zu triangles without an area, %zu that repeat another", report.degenerate_triangles,
           report.duplicate_triangles);
   if (!settings.verbose) return;
-  print("grid 2^%d, points moved by at most %g, %zu equal points merged", report.grid_exponent, report.max_deviation,
-        report.merged_points);
+  print("grid 2^%d, points moved by at most %g, %zu equal points merged", report.grid_exponent,
+        report.max_deviation, report.merged_points);
   print("TetGen -%s, %u points of its own, %u of them moved", report.tetrahedralize.switches.c_str(),
         report.tetrahedralize.steiner_points, report.tetrahedralize.moved_steiner_points);
   for (const FailedAttempt& attempt : report.tetrahedralize.failed_attempts)
@@ -69,7 +73,8 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
   command->add_option("--threads", options.threads, "Threads to use (default: all)")
       ->check(CLI::Range(1u, 1024u))
       ->type_name("N");
-  command->add_option("--report", options.report, "Write counts, times and memory as JSON")->type_name("FILE.json");
+  command->add_option("--report", options.report, "Write counts, times and memory as JSON")
+      ->type_name("FILE.json");
   command
       ->add_option("--radius-edge", options.radius_edge,
                    "Bound on circumradius / shortest edge of tets: fewer tets along a ray, a few more points "
@@ -83,7 +88,9 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
           },
           "0 or >= 1"))
       ->type_name("R");
-  command->add_option("--time-limit", options.time_limit, "Seconds that TetGen may take for one attempt (default: by size)")
+  command
+      ->add_option("--time-limit", options.time_limit,
+                   "Seconds that TetGen may take for one attempt (default: by size)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   CLI::Option* quiet = command->add_flag("-q,--quiet", settings->quiet, "Print nothing but errors");

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// From a mesh file to a tet file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "prep/prep.hpp"
+#include "tetfmt/layout.hpp"
+
+namespace tetprep {
+
+struct ConvertOptions {
+  std::string input, output;
+  std::string report;  ///< where to write the report as JSON; empty for nowhere
+  tetfmt::Layout layout = tetfmt::Layout::tet20;
+  unsigned threads = 0;  ///< 0: as many as the machine has
+  double radius_edge = TetrahedralizeOptions{}.radius_edge;
+  double time_limit = 0;
+};
+
+/// What happened, for the user and for the report file.
+struct ConvertReport {
+  std::size_t input_points = 0, input_triangles = 0;
+  std::size_t merged_points = 0, degenerate_triangles = 0, duplicate_triangles = 0;
+  std::size_t surface_points = 0, surface_triangles = 0;
+  std::size_t vertices = 0, tets = 0, sides = 0, hull_faces = 0;
+  std::array<double, 3> origin{};
+  int grid_exponent = 0;
+  double max_deviation = 0;
+  TetrahedralizeReport tetrahedralize;
+  std::vector<StageCost> stages;
+  double seconds = 0;
+  double peak_memory_mb = 0;  ///< of this process and TetGen's together, at their worst moments
+  std::uint64_t output_bytes = 0;
+};
+
+/// The whole conversion. The output appears under its name only when it is complete and has passed validation
+/// at Level::geometry; after a Failure (any exit code) nothing of it is left.
+ConvertReport convert(const ConvertOptions& options, Progress& progress);
+
+/// The report file's text: one JSON object.
+std::string to_json(const ConvertOptions& options, const ConvertReport& report);
+
+}  // namespace tetprep

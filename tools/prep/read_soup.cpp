@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// From a path to triangles: choose the reader by the extension, then check what it says.
+#include "prep/read_soup.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <new>
+
+#include "tetfmt/mapped_file.hpp"
+
+namespace tetprep {
+
+MemoryCeiling::MemoryCeiling(std::uint64_t bytes) {
+  rlimit limit{};
+  getrlimit(RLIMIT_AS, &limit);
+  old_limit_ = limit.rlim_cur;
+  std::uint64_t pages = 0;
+  if (!(std::ifstream("/proc/self/statm") >> pages)) return;
+  limit.rlim_cur = std::min<rlim_t>(old_limit_, pages * static_cast<std::uint64_t>(getpagesize()) + bytes);
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+MemoryCeiling::~MemoryCeiling() {
+  rlimit limit{};
+  getrlimit(RLIMIT_AS, &limit);
+  limit.rlim_cur = old_limit_;
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+void SourceFile::fail(std::size_t line, const std::string& message) const {
+  throw Failure(ExitCode::invalid, path + (line == 0 ? "" : ":" + std::to_string(line)) + ": " + message);
+}
+
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string text = "\"";
+  text += word.substr(0, kLongest);
+  text += word.size() > kLongest ? "...\"" : "\"";
+  return text;
+}
+
+namespace {
+
+using Reader = PolygonSoup (*)(const SourceFile&);
+
+Reader reader_for(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".obj") return read_obj;
+  if (extension == ".off") return read_off;
+  if (extension == ".ply") return read_ply;
+  if (extension == ".stl") return read_stl;
+  if (extension == ".drc") return read_drc;
+  throw Failure(ExitCode::unsupported, path + ": " +
+                                           (extension.empty() ? "no extension" : "extension " + extension) +
+                                           " (known: .obj, .off, .ply, .stl, .drc)");
+}
+
+}  // namespace
+
+TriangleSoup read_soup(const std::string& path) {
+  const auto opened = tetfmt::MappedFile::open(path);
+  if (!opened) throw Failure(ExitCode::io, opened.error().text);
+  const std::span<const std::byte> bytes = opened->bytes();
+  const SourceFile file{path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
+  const Reader read = reader_for(path);
+  if (bytes.empty()) file.fail(0, "the file is empty");
+  try {
+    return triangulate(file, read(file));
+  } catch (const Failure&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    file.fail(0, "asks for far more memory than its size warrants: damaged, or no mesh");
+  } catch (const std::exception& error) {
+    file.fail(0, std::string("cannot be understood (") + error.what() + ")");
+  }
+}
+
+}  // namespace tetprep

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// The parent's side: fork, watch, reap. What runs in the child is tetgen_stages.cpp.
+#include "prep/tetgen_child.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+#include "prep/tetgen_stages.hpp"
+
+namespace tetprep {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+[[noreturn]] void fail(const char* doing) {
+  throw Failure(ExitCode::runtime, std::string("cannot ") + doing + ": " + std::strerror(errno));
+}
+
+/// In the child, before TetGen.
+void leave_parent_behind(pid_t parent) {
+  // Dies with the parent, however that ends. If the parent is gone already, no signal will come.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGABRT, SIGSEGV}) ::signal(signal, SIG_DFL);
+  // TetGen prints, even with -Q, on its way out.
+  const int nowhere = open("/dev/null", O_RDWR);
+  for (const int descriptor : {0, 1, 2}) dup2(nowhere, descriptor);
+  prctl(PR_SET_DUMPABLE, 0);  // a crash here is an answer, and needs no core file
+}
+
+}  // namespace
+
+TetgenMesh::TetgenMesh(int descriptor) {
+  struct stat status {};
+  if (fstat(descriptor, &status) == 0) bytes_ = static_cast<std::size_t>(status.st_size);
+  memory_ = bytes_ == 0 ? MAP_FAILED : mmap(nullptr, bytes_, PROT_READ, MAP_SHARED, descriptor, 0);
+  const int error = errno;
+  close(descriptor);
+  errno = error;
+  if (memory_ == MAP_FAILED) fail("map TetGen's result");
+  const auto* at = static_cast<const std::byte*>(memory_);
+  const auto& sizes = *reinterpret_cast<const TetgenSizes*>(at);
+  at += sizeof sizes;
+  const auto take = [&]<class T>(std::span<const T>& array, std::uint64_t count) {
+    array = {reinterpret_cast<const T*>(at), static_cast<std::size_t>(count)};
+    at += array.size_bytes();
+  };
+  take(points, sizes.points);
+  take(tets, sizes.tets);
+  take(neighbors, sizes.tets);
+  take(facets, sizes.tets);
+}
+
+TetgenMesh::~TetgenMesh() {
+  munmap(memory_, bytes_);
+}
+
+TetgenChild::TetgenChild(std::span<const GridPoint> points, std::span<const std::array<Index, 3>> facets,
+                         const std::string& switches) {
+  int pipe_ends[2];
+  if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail("make a pipe");
+  messages_ = pipe_ends[0];
+  result_ = memfd_create("tetgen", MFD_CLOEXEC);
+  const pid_t parent = getpid();
+  if (result_ >= 0) pid_ = fork();
+  if (pid_ == 0) {
+    leave_parent_behind(parent);
+    run_tetgen(points, facets, switches, pipe_ends[1], result_);
+    _exit(0);
+  }
+  const int error = errno;
+  close(pipe_ends[1]);
+  if (pid_ < 0) {
+    close(messages_);
+    if (result_ >= 0) close(result_);
+    errno = error;
+    fail("start a process for TetGen");
+  }
+}
+
+TetgenChild::~TetgenChild() {
+  kill_and_reap();
+  close(messages_);
+  if (result_ >= 0) close(result_);
+}
+
+void TetgenChild::kill_and_reap() {
+  if (pid_ < 0) return;
+  kill(pid_, SIGKILL);
+  while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+}
+
+TetgenChild::Outcome TetgenChild::wait(double seconds, Progress& progress,
+                                       const std::function<bool()>& give_up) {
+  const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+  Outcome outcome;
+  std::string stage = "start";
+  double stage_started = 0;
+  bool done = false;
+  std::string failure;
+
+  const auto receive = [&](const TetgenMessage& message) {
+    if (message.kind != TetgenMessage::Kind::failed && stage != "start")
+      outcome.stages.push_back({"tetgen: " + stage, message.seconds - stage_started, message.peak_memory_mb});
+    if (message.kind == TetgenMessage::Kind::stage) {
+      stage = message.text;
+      stage_started = message.seconds;
+      progress.stage("tetgen: " + stage);
+    } else if (message.kind == TetgenMessage::Kind::failed) {
+      failure = message.text;
+    } else {
+      done = true;
+    }
+  };
+  const auto stop = [&](std::string reason) {
+    kill_and_reap();
+    outcome.reason = std::move(reason);
+    return std::move(outcome);
+  };
+
+  for (;;) {
+    if (give_up()) return stop("");
+    if (Clock::now() >= deadline)
+      return stop("no end after " + std::to_string(static_cast<long>(seconds)) + " s, in stage \"" + stage +
+                  "\"");
+    pollfd waiting{messages_, POLLIN, 0};
+    constexpr int kMilliseconds = 20;
+    if (poll(&waiting, 1, kMilliseconds) <= 0) continue;
+    TetgenMessage message;
+    const ssize_t size = read(messages_, &message, sizeof message);
+    if (size < 0 && errno == EINTR) continue;
+    if (size != static_cast<ssize_t>(sizeof message)) break;  // the child has closed its end: it is gone
+    receive(message);
+  }
+
+  int status = 0;
+  while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+  if (done) {
+    outcome.mesh = std::make_unique<TetgenMesh>(std::exchange(result_, -1));
+  } else if (!failure.empty()) {
+    outcome.reason = failure + ", in stage \"" + stage + "\"";
+  } else {
+    const std::string how = WIFSIGNALED(status) ? std::string("died of ") + strsignal(WTERMSIG(status))
+                                                : "ended with code " + std::to_string(WEXITSTATUS(status));
+    outcome.reason = how + " in stage \"" + stage + "\"";
+  }
+  return outcome;
+}
+
+}  // namespace tetprep
