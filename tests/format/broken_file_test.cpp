@@ -141,6 +141,27 @@ const std::vector<Case>& cases() {
       {Code::section_offset, "64 too far",
        [] { return edited([](Bytes& b) { entry(b, kSides).offset += 64; }); }},
       {Code::section_offset, "overlap", [] { return edited([](Bytes& b) { entry(b, kSides).offset = 0; }); }},
+      {Code::section_offset, "a hole, all else right",
+       [] {
+         return edited([](Bytes& b) {
+           auto& meta = entry(b, kMetadata);
+           b.insert(b.begin() + static_cast<std::ptrdiff_t>(meta.offset), 64, std::byte{0});
+           entry(b, kMetadata).offset += 64;
+           header(b).file_bytes = b.size();
+         });
+       }},
+      {Code::section_offset, "not aligned, all else right",
+       [] {
+         return edited([](Bytes& b) {
+           const auto before = entry(b, kTriangles);
+           const std::uint64_t end = before.offset + before.stored_bytes, start = entry(b, kMetadata).offset;
+           if (end == start) throw std::logic_error("there is no padding to remove");
+           entry(b, kMetadata).offset = end;
+           b.erase(b.begin() + static_cast<std::ptrdiff_t>(end),
+                   b.begin() + static_cast<std::ptrdiff_t>(start));
+           header(b).file_bytes = b.size();
+         });
+       }},
       {Code::section_length, "count", [] { return edited([](Bytes& b) { ++entry(b, kTets).count; }); }},
       {Code::section_length, "product overflows",
        [] {
@@ -251,6 +272,16 @@ const std::vector<Case>& cases() {
          return edited(
              [](Bytes& b) { cell(b, two_free_slots().tet).neighbors[two_free_slots().first] = kHull; });
        }},
+      {Code::asymmetric, "two tets claim the same neighbour, and the walk comes from the wrong one",
+       [] {
+         Mesh mesh = one_tet();
+         mesh.vertices.insert(mesh.vertices.end(), {{0, 0, -1}, {0, 0, -2}});
+         mesh.tets = {{{0, 1, 2, 3}, {kHull, kHull, kHull, 2}},
+                      {{0, 1, 2, 4}, {kHull, kHull, kHull, 0}},
+                      {{0, 1, 2, 5}, {kHull, kHull, kHull, 0}}};
+         mesh.sources = {1};
+         return encode(mesh, Layout::tet20);
+       }},
       {Code::face_mismatch, "slots exchanged",
        [] {
          return edited([](Bytes& b) {
@@ -309,6 +340,18 @@ const std::vector<Case>& cases() {
        [] {
          return edited(
              [](Bytes& b) { element<HullFace>(b, kHullFaces, 3) = element<HullFace>(b, kHullFaces, 4); });
+       }},
+      {Code::hull_mismatch, "a face too many",
+       [] {
+         Bytes bytes = encode(two_tets(), Layout::tet20);
+         std::vector<Part> parts = disassemble(bytes);
+         const HullFace inner = {0, {0, 2, 4}};  // between the second and the third entry
+         const auto raw = std::as_bytes(std::span(&inner, 1));
+         parts[1].contents.insert(parts[1].contents.begin() + 32, raw.begin(), raw.end());
+         parts[1].entry.count = 7;
+         parts[1].entry.raw_bytes = 7 * sizeof(HullFace);
+         header(bytes).hull_count = 7;
+         return assemble(header(bytes), parts);
        }},
 
       {Code::non_finite, "NaN",
