@@ -188,7 +188,7 @@ TEST_P(Differential, FirstHitsOfBothLayoutsAreExact) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, Differential, testing::ValuesIn(kSources),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace tetfmt_test
