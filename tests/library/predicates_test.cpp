@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// The predicates against the same determinants in integers of any length, with the perturbation really
+// carried out for one very small e.
+#include "predicates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
+#include <random>
+
+namespace {
+
+using namespace tetfmt;
+using namespace tetfmt::detail;
+using Integer = boost::multiprecision::cpp_int;
+using Vector = std::array<Integer, 3>;
+
+/// Everything in units of e^512, for e = 2^-64: the coordinates below are -1, 0, 1 or quarters of them, so no
+/// coefficient comes near 1 / e. The ids below are at most 2, the powers of e at most 256.
+constexpr unsigned kUnit = 64 * 512;
+Vector vector(const Vec3d& a) {
+  Vector v;
+  for (std::size_t j = 0; j < 3; ++j) v[j] = Integer(static_cast<int>(4 * a[j])) << (kUnit - 2);
+  return v;
+}
+Vector vector(const Vec3f& a) {
+  return vector(Vec3d{a.x, a.y, a.z});
+}
+Vector perturbed(const Corner& corner) {
+  Vector v = vector(corner.point);
+  for (unsigned j = 0; j < 3; ++j) v[j] += Integer(1) << (kUnit - 64 * (1u << (3 * corner.id + j)));
+  return v;
+}
+
+Vector minus(const Vector& a, const Vector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+template <class T>
+T determinant(const std::array<T, 3>& a, const std::array<T, 3>& b, const std::array<T, 3>& c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+         a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+class Predicates : public testing::Test {
+ protected:
+  /// Small integers: half of all determinants are zero. With `scale`, also at the ends of float32's range.
+  Vec3f point(float scale = 1) {
+    std::uniform_int_distribution<int> coordinate(-1, 1);
+    const auto one = [&] { return static_cast<float>(coordinate(random_)) * scale; };
+    return {one(), one(), one()};
+  }
+  std::mt19937 random_{7};
+};
+
+TEST_F(Predicates, PassesLeftEqualsTheDeterminantAfterPerturbation) {
+  int ties = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Line line;
+    const Vec3f o = point(), d = point();
+    line.origin = {o.x, o.y, o.z};
+    line.direction = {d.x, d.y, d.z};
+    if (line.direction == Vec3d{}) continue;
+    const Corner a = {point(), static_cast<Index>(i % 2)}, b = {point(), static_cast<Index>(1 - i % 2)};
+    const Vector origin = vector(line.origin);
+    const Integer exact =
+        determinant(vector(line.direction), minus(perturbed(a), origin), minus(perturbed(b), origin));
+    ASSERT_NE(exact, 0);
+    ASSERT_EQ(passes_left(line, a, b), exact > 0);
+    ASSERT_EQ(passes_left(line, b, a), exact < 0);
+    ties += determinant(vector(line.direction), minus(vector(a.point), origin),
+                        minus(vector(b.point), origin)) == 0;
+  }
+  EXPECT_GT(ties, 500);
+}
+
+TEST_F(Predicates, ALineThroughAPointIsTheLineOfThatDirection) {
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3f o = point(), q = point();
+    Line line;
+    line.origin = {o.x, o.y, o.z};
+    for (std::size_t k = 0; k < 3; ++k) line.origin[k] /= 4;
+    line.toward = {q.x, q.y, q.z};
+    for (std::size_t k = 0; k < 3; ++k) line.direction[k] = line.toward[k] - line.origin[k];
+    if (line.direction == Vec3d{}) continue;
+    Line through = line;
+    through.through_point = true;
+    through.direction = {line.direction[0] * (1 + 0x1p-53), line.direction[1], line.direction[2]};
+    const Corner a = {point(), 4}, b = {point(), 2};
+    ASSERT_EQ(passes_left(through, a, b), passes_left(line, a, b));
+  }
+}
+
+TEST_F(Predicates, BehindEqualsTheDeterminantAfterPerturbation) {
+  for (int i = 0; i < 1500; ++i) {
+    std::array<Index, 3> id = {0, 1, 2};
+    std::shuffle(id.begin(), id.end(), random_);
+    const Corner a = {point(), id[0]}, b = {point(), id[1]}, c = {point(), id[2]};
+    const Vec3f q = point();
+    const Vec3d p = {q.x, q.y, q.z};
+    const Integer exact = determinant(minus(perturbed(a), vector(p)), minus(perturbed(b), vector(p)),
+                                      minus(perturbed(c), vector(p)));
+    ASSERT_NE(exact, 0);
+    ASSERT_EQ(behind(a, b, c, p), exact > 0);
+    ASSERT_EQ(behind(b, a, c, p), exact < 0);
+  }
+}
+
+TEST_F(Predicates, ScaleDoesNotMatter) {
+  for (const float scale : {0x1p-149f, 0x1p-100f, 0x1p60f, 0x1p126f}) {
+    for (int i = 0; i < 500; ++i) {
+      const Vec3f o = point(), d = point(), p = point(), q = point();
+      const auto big = [&](const Vec3f& v) { return Vec3f{v.x * scale, v.y * scale, v.z * scale}; };
+      const auto line = [](const Vec3f& origin, const Vec3f& direction) {
+        Line result;
+        result.origin = {origin.x, origin.y, origin.z};
+        result.direction = {direction.x, direction.y, direction.z};
+        return result;
+      };
+      if (d == Vec3f{}) continue;
+      ASSERT_EQ(passes_left(line(big(o), d), {big(p), 3}, {big(q), 9}),
+                passes_left(line(o, big(d)), {p, 3}, {q, 9}));
+    }
+  }
+}
+
+/// One step of the last bit decides, far from the origin and with numbers of very different size.
+TEST_F(Predicates, NearTiesAreExact) {
+  std::uniform_real_distribution<float> coordinate(-1, 1);
+  std::uniform_int_distribution<int> exponent(-20, 20);
+  int decided = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Line line;
+    for (std::size_t k = 0; k < 3; ++k) {
+      line.origin[k] = static_cast<double>(std::ldexp(coordinate(random_), exponent(random_)));
+      line.direction[k] = static_cast<double>(std::ldexp(coordinate(random_), exponent(random_)));
+    }
+    // Two points next to the line, as near as float32 allows.
+    const auto near = [&](double t) {
+      Vec3d p;
+      for (std::size_t k = 0; k < 3; ++k) p[k] = line.origin[k] + t * line.direction[k];
+      return Vec3f{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    };
+    const Corner a = {near(1), 0}, b = {near(coordinate(random_)), 1};
+    using Rational = boost::multiprecision::cpp_rational;
+    std::array<Rational, 3> direction, to_a, to_b;
+    for (std::size_t k = 0; k < 3; ++k) {
+      direction[k] = line.direction[k];
+      to_a[k] = Rational((&a.point.x)[k]) - Rational(line.origin[k]);
+      to_b[k] = Rational((&b.point.x)[k]) - Rational(line.origin[k]);
+    }
+    const Rational exact = determinant(direction, to_a, to_b);
+    if (exact != 0) {
+      ASSERT_EQ(passes_left(line, a, b), exact > 0);
+    }
+    ASSERT_NE(passes_left(line, a, b), passes_left(line, b, a));
+    decided += exact != 0;
+  }
+  EXPECT_GT(decided, 1900);
+}
+
+}  // namespace
