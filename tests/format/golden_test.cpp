@@ -26,7 +26,7 @@ std::vector<std::string> lines_of(const std::string& name) {
 std::map<std::string, Bytes> hex_dumps() {
   std::map<std::string, Bytes> dumps;
   Bytes* dump = nullptr;
-  for (std::string line : lines_of("format.md")) {
+  for (const std::string& line : lines_of("format.md")) {
     const std::string marker = "```hexdump ";
     if (line.rfind(marker, 0) == 0) {
       dump = &dumps[line.substr(marker.size())];
