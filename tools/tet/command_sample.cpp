@@ -64,7 +64,7 @@ void add_sample_command(CLI::App& app, std::function<int()>& run) {
       ->required()
       ->type_name("MESH");
   verb->add_option("--triangles", options->triangles,
-                   "About how many triangles, within 2 % from 1000 on [20000]; the exact count is printed")
+                   "About how many triangles, within 3 % from 1000 on [20000]; the exact count is printed")
       ->check(CLI::Range(std::uint64_t{1}, kMaxSampleTriangles))
       ->type_name("N");
   verb->add_option("--seed", options->seed, "What the bumps and the placing of knots are drawn from [1]")

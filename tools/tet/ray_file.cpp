@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "common/failure.hpp"
+#include "common/output.hpp"
 #include "common/parse.hpp"
 
 namespace tetprep {
@@ -125,9 +126,9 @@ void RayFile::parse_csv(std::string_view text) {
                                            ", expected 6 separated by commas: ox,oy,oz,dx,dy,dz");
     }
     if (bad_column != 0) {
-      throw Failure(ExitCode::invalid,
-                    where + ": column " + std::to_string(bad_column) + " (" + kColumns[bad_column - 1] +
-                        ") is '" + std::string(bad_text.substr(0, 40)) + "', expected a finite number");
+      throw Failure(ExitCode::invalid, where + ": column " + std::to_string(bad_column) + " (" +
+                                           kColumns[bad_column - 1] + ") is '" +
+                                           one_line(bad_text.substr(0, 40)) + "', expected a finite number");
     }
     rows_.push_back(values);
     lines_.push_back(line);
