@@ -129,6 +129,20 @@ TEST_F(CliTest, TraceDefaultCameraFramesTheSurface) {
   }
 }
 
+TEST_F(CliTest, TraceAzimuthAndElevationTurnTheDefaultCamera) {
+  write_mesh("box.tet", box_mesh());
+  const auto middle = [&](const std::vector<std::string>& more) {
+    return trace(with({"--size", "33x33", "--shade", "normal"}, more)).at(16, 16);
+  };
+  using Colour = std::array<int, 3>;
+  EXPECT_EQ(middle({"--azimuth", "0", "--elevation", "0"}), (Colour{128, 128, 255}));   // front: +z
+  EXPECT_EQ(middle({"--azimuth", "90", "--elevation", "0"}), (Colour{255, 128, 128}));  // its right: +x
+  EXPECT_EQ(middle({"--azimuth", "180", "--elevation", "0"}), (Colour{128, 128, 0}));   // behind: -z
+  EXPECT_EQ(middle({"--elevation", "89"}), (Colour{128, 255, 128}));                    // above: +y
+  EXPECT_EQ(middle({"--azimuth", "0", "--elevation", "0", "--up", "0,0,1"}),
+            (Colour{128, 0, 128}));  // -y if z is up
+}
+
 TEST_F(CliTest, TraceLambertSeparatesWallsAndBackground) {
   write_mesh("box.tet", box_mesh());
   const Picture picture = trace({"--size", "64x64"});

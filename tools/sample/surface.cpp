@@ -235,7 +235,7 @@ Surface make_bumpy_plane(std::uint64_t triangles, std::uint64_t seed) {
   for (std::uint64_t i = 0; i <= rows; ++i) {
     for (std::uint64_t j = 0; j <= columns; ++j) {
       const double x = 2 * real(j) / real(columns) - 1, z = 2 * real(i) / real(rows) - 1;
-      double height = 0, amplitude = 0.25, frequency = 2;
+      double height = 0, amplitude = 0.15, frequency = 2;
       for (std::uint64_t octave = 0; octave < 5; ++octave) {
         height += amplitude * noise(frequency * x, frequency * z, seed * 64 + octave);
         amplitude *= 0.45;

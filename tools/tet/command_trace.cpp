@@ -122,7 +122,17 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
             }
             options->camera.fov = degrees;
           },
-          "Vertical opening angle in degrees [40]")
+          "Vertical opening angle in degrees [30]")
+      ->type_name("DEG");
+  verb->add_option("--azimuth", options->camera.azimuth,
+                   "Without --eye: from which side to look, in degrees around --up from the front (+z; -y if "
+                   "z is up)\n"
+                   "towards its right [30]; 210 for models that face the other way")
+      ->check(CLI::Range(-360.0, 360.0))
+      ->type_name("DEG");
+  verb->add_option("--elevation", options->camera.elevation,
+                   "Without --eye: from how far above to look, in degrees [18]")
+      ->check(CLI::Range(-89.0, 89.0))
       ->type_name("DEG");
   const std::map<std::string, Shade> shades{{"lambert", Shade::lambert},
                                             {"normal", Shade::normal},
@@ -156,6 +166,7 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
       "Examples:\n"
       "  tet trace bunny.tet -o bunny.png\n"
       "  tet trace bunny.tet -o side.png --size 1920x1080 --eye 10,2,0 --look-at 0,0,0 --fov 30\n"
+      "  tet trace armadillo.tet -o front.png --azimuth 210\n"
       "  tet trace part.tet -o part.png --up 0,0,1 --shade normal\n"
       "  tet trace bunny.tet -o cost.png --shade steps --samples 1");
   verb->callback([options, &run] { run = [options] { return run_trace(*options); }; });

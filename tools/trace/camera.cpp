@@ -13,17 +13,15 @@ namespace {
 constexpr double kPi = 3.141592653589793;
 /// How much of the picture's half width and height the surface may fill.
 constexpr double kFill = 0.88;
-/// The three-quarter view: degrees to the right of the front, and above it.
-constexpr double kAzimuth = 30, kElevation = 18;
-
 /// From the surface towards the default camera. Which way is the front depends on what is up: +z where y is
 /// up (as most models of figures have it), -y where z is up (as CAD has it).
-Vec3 default_outlook(Vec3 up) {
+Vec3 default_outlook(const CameraWish& wish) {
+  const Vec3 up = unit(wish.up);
   const bool y_up = std::abs(up.y) >= std::max(std::abs(up.x), std::abs(up.z));
   const Vec3 front_guess = y_up ? Vec3{0, 0, 1} : Vec3{0, -1, 0};
   const Vec3 right = unit(cross(up, front_guess));
   const Vec3 front = cross(right, up);
-  const double azimuth = kAzimuth * kPi / 180, elevation = kElevation * kPi / 180;
+  const double azimuth = wish.azimuth * kPi / 180, elevation = wish.elevation * kPi / 180;
   return std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * right) +
          std::sin(elevation) * up;
 }
@@ -76,7 +74,7 @@ Camera make_camera(const CameraWish& wish, bool up_given, const tetfmt::FileView
   camera.half_width = aspect * camera.half_height;
 
   const Vec3 target = wish.look_at ? *wish.look_at - origin : middle;
-  const Vec3 forward = wish.eye ? target - (*wish.eye - origin) : -default_outlook(unit(wish.up));
+  const Vec3 forward = wish.eye ? target - (*wish.eye - origin) : -default_outlook(wish);
   if (!(length(forward) > 0)) {
     throw Failure(ExitCode::usage, "--eye and --look-at are the same point; move one of them");
   }

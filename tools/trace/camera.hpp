@@ -14,7 +14,8 @@ namespace tetprep {
 struct CameraWish {
   std::optional<Vec3> eye, look_at;
   Vec3 up{0, 1, 0};
-  double fov = 40;  ///< vertical opening angle in degrees, 0 to 180 exclusive
+  double fov = 30;                      ///< vertical opening angle in degrees, 0 to 180 exclusive
+  double azimuth = 30, elevation = 18;  ///< degrees to the right of the front and above it; without an eye
 };
 
 /// In the file's local coordinates. right, up and forward are orthonormal.
@@ -30,10 +31,10 @@ struct Camera {
 };
 
 /// Fills in what `wish` leaves open. Without an eye, the surface is seen from the front, right and above (a
-/// three-quarter view) at the distance from which all of it just fits; without a look_at, the camera turns to
-/// the middle of the surface. `aspect` is width / height. Throws Failure: usage for a view direction of
-/// length zero or parallel to up (unless up was left at its default: then another is taken), invalid if the
-/// file has no finite point.
+/// three-quarter view, unless azimuth and elevation say otherwise) at the distance from which all of it just
+/// fits; without a look_at, the camera turns to the middle of the surface. `aspect` is width / height. Throws
+/// Failure: usage for a view direction of length zero or parallel to up (unless up was left at its default:
+/// then another is taken), invalid if the file has no finite point.
 Camera make_camera(const CameraWish& wish, bool up_given, const tetfmt::FileView& view, double aspect);
 
 }  // namespace tetprep

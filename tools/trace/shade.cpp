@@ -31,7 +31,7 @@ Rgb clay(Vec3 n, const Camera& camera) {
   const double key = std::max(0.0, dot(n, to_key));
   const double head = std::max(0.0, -dot(n, camera.forward));
   const double sky = 0.5 + 0.5 * dot(n, camera.up);
-  const Rgb light = (0.66 * key) * kKeyLight + (0.34 * head + 0.09 * sky) * kHeadLight;
+  const Rgb light = (0.72 * key) * kKeyLight + (0.32 * head + 0.09 * sky) * kHeadLight;
   return {kClay.r * light.r, kClay.g * light.g, kClay.b * light.b};
 }
 
