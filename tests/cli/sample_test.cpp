@@ -165,6 +165,13 @@ TEST_F(CliTest, SampleFormatsHoldTheSameSurface) {
     }
   }
   EXPECT_EQ(obj.points, expected.points);
+  // Text holds float32 exactly: a reader in double must not see something else.
+  std::istringstream first(read_bytes("s.obj").substr(read_bytes("s.obj").find("v ") + 2));
+  for (std::size_t i = 0; i < 3; ++i) {
+    double value = 0;
+    first >> value;
+    EXPECT_EQ(value, static_cast<double>(expected.points[0][i]));
+  }
   EXPECT_EQ(obj.triangles, expected.triangles);
 
   const std::string ply = read_bytes("s.ply");

@@ -27,7 +27,7 @@ class Writer {
     return *this;
   }
   Writer& number(float value) {
-    append_number(buffer_, value);
+    append_number(buffer_, static_cast<double>(value));  // readers that keep doubles get this very number
     return *this;
   }
   Writer& number(std::uint64_t value) {
