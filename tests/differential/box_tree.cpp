@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace tetfmt_test {
@@ -58,7 +57,6 @@ void BoxTree::build(std::size_t first, std::size_t last, std::span<const Bounds>
 }
 
 double BoxTree::entry(const Bounds& box, const tetfmt::Ray& ray, double limit) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   // Two roundings a quotient, in whatever rounding mode: a relative error below 2^-51. Widening both ends by
   // 2^-48 keeps every box that the exact ray meets.
   constexpr double kMargin = 0x1p-48;

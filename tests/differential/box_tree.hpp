@@ -5,7 +5,9 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "tetfmt/layout.hpp"
@@ -25,13 +27,14 @@ class BoxTree {
   void visit(const tetfmt::Ray& ray, double limit, Visit&& visit) const;
 
  private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
   struct Node {
     tetfmt::Bounds box;
     std::size_t first = 0, count = 0;  ///< leaf: order_[first .. first + count); inner node: count == 0
     std::size_t right = 0;             ///< inner node: the left child follows its parent
   };
   void build(std::size_t first, std::size_t last, std::span<const tetfmt::Bounds> boxes);
-  /// A lower bound of the t at which the ray enters the box, or infinity if it cannot be in it at t <= limit.
+  /// A lower bound of the t at which the ray enters the box, or kNever if it cannot be in it at t <= limit.
   static double entry(const tetfmt::Bounds& box, const tetfmt::Ray& ray, double limit);
 
   std::vector<Node> nodes_;
@@ -45,11 +48,13 @@ void BoxTree::visit(const tetfmt::Ray& ray, double limit, Visit&& visit) const {
     double t;
   };
   if (nodes_.empty()) return;
+  // The limit may be infinite, so that "never" needs a test of its own.
+  const auto wanted = [&limit](double t) { return t < kNever && t <= limit; };
   std::vector<Entry> pending = {{0, entry(nodes_[0].box, ray, limit)}};
   while (!pending.empty()) {
     const auto [index, t] = pending.back();
     pending.pop_back();
-    if (!(t <= limit)) continue;
+    if (!wanted(t)) continue;
     const Node& node = nodes_[index];
     if (node.count != 0) {
       for (std::size_t i = 0; i < node.count; ++i) limit = visit(order_[node.first + i]);
@@ -58,8 +63,8 @@ void BoxTree::visit(const tetfmt::Ray& ray, double limit, Visit&& visit) const {
     Entry left{index + 1, entry(nodes_[index + 1].box, ray, limit)};
     Entry right{node.right, entry(nodes_[node.right].box, ray, limit)};
     if (left.t < right.t) std::swap(left, right);
-    if (left.t <= limit) pending.push_back(left);
-    if (right.t <= limit) pending.push_back(right);
+    if (wanted(left.t)) pending.push_back(left);
+    if (wanted(right.t)) pending.push_back(right);
   }
 }
 

@@ -43,8 +43,7 @@ const Source kSources[] = {
      "sphere --triangles 80000"},
     {"dragon", "data/meshes/ChineseDragon-10kv.off", "a decimated scan", "torus-knot --triangles 20000"},
     {"mannequin", "data/meshes/mannequin-devil.off", "open", "bumpy-plane --triangles 25000"},
-    {"anchor", "data/meshes/anchor_dense.off", "a CAD part, axis-aligned faces",
-     "knots --triangles 8000"},
+    {"anchor", "data/meshes/anchor_dense.off", "a CAD part, axis-aligned faces", "knots --triangles 8000"},
     {"fandisk", "data/meshes/fandisk.off", "a CAD part", "sphere --triangles 500"},
 };
 
