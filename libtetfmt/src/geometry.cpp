@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <string>
 
 #include "cells.hpp"
@@ -20,12 +21,15 @@ namespace {
 class Geometry {
  public:
   Geometry(const FileView& view, const Topology& topology, Report& report)
-      : view_(view), tets_(topology.tets), side_rank_(topology.side_rank), report_(report) {}
+      : view_(view),
+        topology_(topology),
+        tets_(topology.tets),
+        side_rank_(topology.side_rank),
+        report_(report) {}
 
   void run() {
     if (!to_grid()) return;
     if (!check_orientation()) return;
-    check_opposite();
     check_hull();
     check_overlap();
     check_faces();
@@ -77,44 +81,41 @@ class Geometry {
     return report_.valid();
   }
 
-  /// Fills orientation_ with the sign of each tetrahedron, its vertices taken in ascending order.
+  /// No tetrahedron is flat, and each is oriented as the gluing demands. Sets positive_.
   bool check_orientation() {
-    orientation_.resize(tets_.size());
-    bool sound = true;
+    std::vector<std::int8_t> found(tets_.size());
+    std::size_t flat = 0, positive = 0;
     for (std::size_t t = 0; t < tets_.size(); ++t) {
       const auto [a, b, c, d] = corners(tets_[t]);
-      orientation_[t] = static_cast<std::int8_t>(orientation(a, b, c, d));
-      if (orientation_[t] != 0) continue;
-      sound = false;
+      found[t] = static_cast<std::int8_t>(orientation(a, b, c, d));
+      positive += found[t] == topology_.orientation[t];
+      if (found[t] != 0) continue;
+      ++flat;
       add(Code::flat, t, [&] { return "the four vertices of tet " + str(t) + " lie in a plane"; });
     }
-    return sound;
+    if (flat > 0) return false;
+
+    positive_ = 2 * positive >= tets_.size();  // the common sign; the few that differ are the wrong ones
+    for (Index t = 0; t < tets_.size(); ++t) {
+      if (found[t] == orientation_of(t)) continue;
+      add(Code::inverted, t,
+          [&] { return "tet " + str(t) + " lies on the same side of a face as its neighbour"; });
+    }
+    for (const std::array<Index, 2>& pair : topology_.twisted) {
+      add(Code::inverted, pair[0], [&] {
+        return "tets " + str(pair[0]) + " and " + str(pair[1]) + " lie on the same side of their shared face";
+      });
+    }
+    return true;
+  }
+
+  /// Sign of the tetrahedron's vertices taken in ascending order.
+  int orientation_of(Index t) const {
+    return positive_ ? topology_.orientation[t] : -topology_.orientation[t];
   }
 
   /// Sign of (face opposite rank k, taken ascending; apex): the apex has to move past 3 - k ids.
-  int apex_side(Index t, std::size_t k) const { return k % 2 == 1 ? orientation_[t] : -orientation_[t]; }
-
-  void check_opposite() {
-    for (Index t = 0; t < tets_.size(); ++t) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        const Ref ref = tets_[t].neighbors[k];
-        Index other = ref;
-        Ref back = t;
-        if (ref == kHull) continue;
-        if (is_side(ref)) {
-          other = view_.sides()[twin(side_index(ref))].tet;
-          back = side_ref(twin(side_index(ref)));
-        }
-        if (other < t) continue;  // looked at from there
-        const auto& neighbors = tets_[other].neighbors;
-        const auto at = std::find(neighbors.begin(), neighbors.end(), back) - neighbors.begin();
-        if (apex_side(t, k) != apex_side(other, static_cast<std::size_t>(at))) continue;
-        add(Code::inverted, t, [&] {
-          return "tets " + str(t) + " and " + str(other) + " lie on the same side of their shared face";
-        });
-      }
-    }
-  }
+  int apex_side(Index t, std::size_t k) const { return k % 2 == 1 ? orientation_of(t) : -orientation_of(t); }
 
   void check_hull() {
     std::vector<Index> hull_vertices;
@@ -168,35 +169,36 @@ class Geometry {
   /// Every face lies in its triangle with its front side in front, and together they cover it: faces of a
   /// tiling do not overlap, so it is enough that their areas add up.
   void check_faces() {
-    const auto triangles = view_.triangles();
-    std::vector<std::int64_t> missing(
-        triangles.size());  // doubled area, projected along a triangle's main axis
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      if (!triangles[i].dropped())
-        missing[i] = projected(triangles[i].vertices, main_axis(triangles[i].vertices));
-    }
-    for (Index side = 0; side < side_rank_.size(); side += 2) check_face(side, missing);
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const bool flat =
-          !triangles[i].dropped() && projected(triangles[i].vertices, main_axis(triangles[i].vertices)) == 0;
-      if (missing[i] == 0 && !flat) continue;
+    remaining_.assign(view_.triangles().size(), kUntouched);
+    for (Index side = 0; side < side_rank_.size(); side += 2) check_face(side);
+    for (std::size_t i = 0; i < remaining_.size(); ++i) {
+      if (remaining_[i] == 0 || view_.triangles()[i].dropped()) continue;
       add(Code::not_covered, i, [&] {
-        return "triangle " + str(i) + (flat ? " has no area" : " is not covered exactly once by its faces");
+        return "triangle " + str(i) +
+               (remaining_[i] == kUntouched ? " has no faces" : " is not covered exactly once by its faces");
       });
     }
   }
 
-  void check_face(Index side, std::vector<std::int64_t>& missing) {
+  void check_face(Index side) {
     const Index t = view_.sides()[side].tet;
     const Index triangle = view_.sides()[side].triangle;
     const std::size_t k = side_rank_[side];
     std::array<Index, 3> face = face_opposite(tets_[t].vertices, k);
     if (apex_side(t, k) < 0) std::swap(face[1], face[2]);  // now its normal points to the front tetrahedron
-
     const auto& corner = view_.triangles()[triangle].vertices;
+    std::int64_t& remaining = remaining_[triangle];
+
+    const auto rotated = [&](std::size_t i, std::size_t j, std::size_t l) {
+      return face[0] == corner[i] && face[1] == corner[j] && face[2] == corner[l];
+    };
+    if (rotated(0, 1, 2) || rotated(1, 2, 0) || rotated(2, 0, 1)) {  // the whole triangle, the usual case
+      remaining = remaining == kUntouched ? 0 : kOvercovered;
+      return;
+    }
     const std::size_t axis = main_axis(corner);
     const std::int64_t area = projected(face, axis), whole = projected(corner, axis);
-    if (!inside_triangle(face, corner, axis)) {
+    if (whole == 0 || !inside_triangle(face, corner, axis)) {  // no face is part of a triangle without area
       add(Code::off_triangle, side,
           [&] { return "the face of side " + str(side) + " is not a part of triangle " + str(triangle); });
     } else if ((area > 0) != (whole > 0)) {
@@ -204,12 +206,8 @@ class Geometry {
         return "tet " + str(t) + " of front side " + str(side) + " lies behind triangle " + str(triangle);
       });
     }
-    // Once a triangle is over-covered, its sum must not come back to zero, nor overflow.
-    if (missing[triangle] != 0 && (missing[triangle] > 0) == (whole > 0)) {
-      missing[triangle] -= whole > 0 ? std::abs(area) : -std::abs(area);
-    } else {
-      missing[triangle] = whole > 0 ? -1 : 1;
-    }
+    if (remaining == kUntouched) remaining = std::abs(whole);
+    remaining = remaining == kOvercovered ? kOvercovered : std::max(remaining - std::abs(area), kOvercovered);
   }
 
   bool inside_triangle(const std::array<Index, 3>& face, const std::array<Index, 3>& corner,
@@ -238,11 +236,15 @@ class Geometry {
   }
 
   const FileView& view_;
+  const Topology& topology_;
   const std::vector<FullTet>& tets_;
   const std::vector<std::uint8_t>& side_rank_;
   Report& report_;
   std::vector<GridPoint> points_;
-  std::vector<std::int8_t> orientation_;
+  bool positive_ = true;
+  /// Of each triangle: the doubled area, projected along its main axis, that no face has covered yet.
+  std::vector<std::int64_t> remaining_;
+  static constexpr std::int64_t kUntouched = std::numeric_limits<std::int64_t>::max(), kOvercovered = -1;
 };
 
 }  // namespace

@@ -35,7 +35,8 @@ class Walk {
     const Index tet_count = view_.tet_count();
     topology_.tets.resize(tet_count);
     topology_.side_rank.resize(view_.sides().size());
-    reached_.resize(tet_count);
+    topology_.orientation.resize(tet_count);
+    verified_.resize(tet_count);
     side_uses_.resize(view_.sides().size());
     hull_seen_.resize(view_.hull().size());
     queue_.reserve(tet_count);
@@ -70,23 +71,26 @@ class Walk {
         mismatch("the vertex ids do not give the cell's xor");
       } else if (cells_.neighbors(source.tet, source.neighbors[3], 3) != source.neighbors) {
         mismatch("the neighbours are not the cell's");
-      } else if (!reached_[source.tet]) {
-        reach(source.tet, {v, source.neighbors});
+      } else if (!reached(source.tet)) {
+        reach(source.tet, {v, source.neighbors}, 1);
       } else if (topology_.tets[source.tet] != FullTet{v, source.neighbors}) {
         mismatch("contradicts another source tet");
       }
     }
   }
 
-  void reach(Index t, const FullTet& tet) {
-    reached_[t] = 1;
+  bool reached(Index t) const { return topology_.orientation[t] != 0; }
+
+  void reach(Index t, const FullTet& tet, int orientation) {
     topology_.tets[t] = tet;
+    topology_.orientation[t] = static_cast<std::int8_t>(orientation);
     queue_.push_back(t);
   }
 
   void visit(Index t) {
     const FullTet tet = topology_.tets[t];
     for (std::size_t k = 0; k < 4; ++k) {
+      if (verified_[t] >> k & 1u) continue;  // looked at from both ends when the neighbour was visited
       const Ref ref = tet.neighbors[k];
       const auto face = face_opposite(tet.vertices, k);
       if (ref == kHull) {
@@ -101,7 +105,7 @@ class Walk {
         if (std::count(tet.neighbors.begin() + static_cast<std::ptrdiff_t>(k) + 1, tet.neighbors.end(), ref))
           add(Code::duplicate_neighbor, t,
               [&] { return "tet " + str(t) + " refers twice to " + ref_text(ref); });
-        enter(ref, face, t);
+        enter(ref, face, t, {t, k});
       }
     }
   }
@@ -139,39 +143,56 @@ class Walk {
           [&] { return "side " + str(twin(side)) + " names tet " + str(beyond) + ", which does not exist"; });
       return;
     }
-    enter(beyond, face, side_ref(twin(side)));
+    enter(beyond, face, side_ref(twin(side)), {t, k});
   }
 
-  /// Tetrahedron `t` is entered across `face`, behind which it must refer to `previous`.
-  void enter(Index t, const std::array<Index, 3>& face, Ref previous) {
+  /// One end of a link between tetrahedra: `tet`, across the face opposite its vertex of this rank.
+  struct End {
+    Index tet;
+    std::size_t rank;
+  };
+
+  /// Tetrahedron `t` is entered across `face`, behind which it must refer to `previous`, from `origin`.
+  void enter(Index t, const std::array<Index, 3>& face, Ref previous, End origin) {
     const Index apex = cells_.vertex_xor(t) ^ face[0] ^ face[1] ^ face[2];
     const std::size_t apex_rank = rank(apex, face[0], face[1], face[2]);
-    if (!reached_[t]) {
+    // The apexes lie on opposite sides of the face. An apex of odd rank lies where the face's ascending order
+    // points in a positive tetrahedron, one of even rank in a negative one.
+    const int sign = topology_.orientation[origin.tet] * ((origin.rank ^ apex_rank) % 2 == 1 ? 1 : -1);
+    if (!reached(t)) {
       if (apex >= vertex_count_) {
         add(Code::vertex_range, t, [&] {
           return "tet " + str(t) + ", entered across face " + ids(face) + ", would have vertex " + str(apex);
         });
-      } else if (apex == face[0] || apex == face[1] || apex == face[2]) {
+        return;
+      }
+      if (apex == face[0] || apex == face[1] || apex == face[2]) {
         add(Code::repeated_vertex, t, [&] {
           return "tet " + str(t) + ", entered across face " + ids(face) + ", would have vertex " + str(apex) +
                  " twice";
         });
-      } else {
-        const FullTet tet = {insert_apex(face, apex, apex_rank), cells_.neighbors(t, previous, apex_rank)};
-        if (tet.neighbors[apex_rank] != previous) asymmetric(t, tet.neighbors[apex_rank], previous);
-        reach(t, tet);
+        return;
       }
+      reach(t, {insert_apex(face, apex, apex_rank), cells_.neighbors(t, previous, apex_rank)}, sign);
+    } else if (!same(topology_.tets[t].vertices, insert_apex(face, apex, apex_rank))) {
+      add(Code::face_mismatch, t, [&] {
+        return "tet " + str(t) + " " + ids(topology_.tets[t].vertices) + " has no face " + ids(face) +
+               ", across which " + ref_text(previous) + " leads to it";
+      });
       return;
     }
-    const FullTet& tet = topology_.tets[t];
-    if (tet.vertices != insert_apex(face, apex, apex_rank)) {
-      add(Code::face_mismatch, t, [&] {
-        return "tet " + str(t) + " " + ids(tet.vertices) + " has no face " + ids(face) + ", across which " +
-               ref_text(previous) + " leads to it";
-      });
-    } else if (tet.neighbors[apex_rank] != previous) {
-      asymmetric(t, tet.neighbors[apex_rank], previous);
+    if (topology_.tets[t].neighbors[apex_rank] != previous) {
+      asymmetric(t, topology_.tets[t].neighbors[apex_rank], previous);
+      return;
     }
+    if (topology_.orientation[t] != sign) topology_.twisted.push_back({origin.tet, t});
+    // A side's own entry in the table is looked at only from its own tetrahedron.
+    if (is_tet(previous)) verified_[t] |= static_cast<std::uint8_t>(1u << apex_rank);
+  }
+
+  /// Written out: a library call would cost more than the comparison.
+  static bool same(const std::array<Index, 4>& a, const std::array<Index, 4>& b) {
+    return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2]) | (a[3] ^ b[3])) == 0;
   }
 
   void asymmetric(Index t, Ref found, Ref expected) {
@@ -234,7 +255,7 @@ class Walk {
   void check_reached() {
     std::vector<std::uint8_t> used(vertex_count_);
     for (Index t = 0; t < view_.tet_count(); ++t) {
-      if (reached_[t]) {
+      if (reached(t)) {
         for (const Index id : topology_.tets[t].vertices) used[id] = 1;
       } else {
         add(Code::unreachable, t, [&] { return "no source tet leads to tet " + str(t); });
@@ -250,7 +271,8 @@ class Walk {
   Report& report_;
   const Index vertex_count_;
   Topology topology_;
-  std::vector<std::uint8_t> reached_, side_uses_, hull_seen_;
+  std::vector<std::uint8_t> verified_;  ///< of each tetrahedron, a bit a face
+  std::vector<std::uint8_t> side_uses_, hull_seen_;
   std::vector<Index> queue_;
 };
 

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tetfmt/traverse.hpp"
+#include "tetfmt/validate.hpp"
+
+namespace tetbench {
+
+/// What every tracer answers, so that answers can be compared: the input triangle, or kNone.
+using Answers = std::vector<tetfmt::Index>;
+
+/// Something that finds first hits: one of the project's kernels, or a peer.
+class Tracer {
+ public:
+  virtual ~Tracer() = default;
+  virtual std::string name() const = 0;
+  /// First hits of rays that share their origin, in order. `answers` has the rays' size.
+  virtual void trace(std::span<const tetfmt::Ray> rays, Answers& answers) const = 0;
+};
+
+/// Embree's rtcIntersect1 over the file's input triangles, high build quality, single thread; nothing where
+/// Embree is not built in.
+std::unique_ptr<Tracer> make_embree(const tetfmt::FileView& view);
+
+/// Camera rays at seven distances from the surface, each tracer in turn, `repeats` times (at least 5).
+/// `other` is the same mesh in the other layout, or null. Prints a table.
+void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other, int size, int repeats);
+
+/// Opening and validating the file at `path`, `repeats` times. Prints a table.
+void file_costs(const std::string& path, int repeats);
+
+}  // namespace tetbench

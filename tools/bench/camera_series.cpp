@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// The camera series of Aman, Demirci and Gudukbay (2022), Table 1: one mesh from seven distances, the last
+// one touching its surface. Distances are those at which the mesh's largest extent is 10, measured from the
+// middle of its bounds; the camera looks along -z with a field of view of 90 degrees.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "bench/bench.hpp"
+#include "bench/statistics.hpp"
+
+namespace tetbench {
+
+#ifndef TETFMT_HAVE_EMBREE
+std::unique_ptr<Tracer> make_embree(const tetfmt::FileView&) {
+  return nullptr;
+}
+#endif
+
+namespace {
+
+using tetfmt::Bounds;
+using tetfmt::Ray;
+using tetfmt::Vec3f;
+
+class OurTracer : public Tracer {
+ public:
+  OurTracer(const tetfmt::TrustedView& view, tetfmt::Kernel kernel) : view_(view), kernel_(kernel) {}
+
+  std::string name() const override {
+    return std::string(view_.view().layout() == tetfmt::Layout::tet20 ? "Tet20" : "Tet16") +
+           (kernel_ == tetfmt::Kernel::exact ? " exact" : " float");
+  }
+
+  void trace(std::span<const Ray> rays, Answers& answers) const override {
+    const tetfmt::Location start = tetfmt::locate(view_, rays.front().origin);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      answers[i] = tetfmt::first_hit(view_, rays[i], start, kernel_).triangle;
+  }
+
+  double mean_steps(std::span<const Ray> rays) const {
+    const tetfmt::Location start = tetfmt::locate(view_, rays.front().origin);
+    double steps = 0;
+    for (const Ray& ray : rays) steps += tetfmt::first_hit(view_, ray, start, kernel_).steps;
+    return steps / static_cast<double>(rays.size());
+  }
+
+ private:
+  const tetfmt::TrustedView& view_;
+  tetfmt::Kernel kernel_;
+};
+
+Bounds surface_bounds(const tetfmt::FileView& view) {
+  Bounds bounds;
+  for (const tetfmt::Triangle& triangle : view.triangles())
+    if (!triangle.dropped())
+      for (const tetfmt::Index id : triangle.vertices) bounds.add(view.vertices()[id]);
+  return bounds;
+}
+
+std::vector<Ray> camera_rays(const Vec3f& eye, int size) {
+  std::vector<Ray> rays;
+  const auto n = static_cast<float>(size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      rays.push_back(
+          {eye,
+           {2 * (static_cast<float>(x) + 0.5f) / n - 1, 1 - 2 * (static_cast<float>(y) + 0.5f) / n, -1}});
+  return rays;
+}
+
+}  // namespace
+
+void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other, int size, int repeats) {
+  const Bounds box = surface_bounds(view.view());
+  const Vec3f middle = {(box.lower.x + box.upper.x) / 2, (box.lower.y + box.upper.y) / 2,
+                        (box.lower.z + box.upper.z) / 2};
+  const float extent =
+      std::max({box.upper.x - box.lower.x, box.upper.y - box.lower.y, box.upper.z - box.lower.z});
+  const float unit = extent / 10;
+
+  std::vector<std::unique_ptr<Tracer>> tracers;
+  for (const tetfmt::TrustedView* each : {&view, other}) {
+    if (!each) continue;
+    tracers.push_back(std::make_unique<OurTracer>(*each, tetfmt::Kernel::float_only));
+    tracers.push_back(std::make_unique<OurTracer>(*each, tetfmt::Kernel::exact));
+  }
+  if (auto embree = make_embree(view.view())) {
+    tracers.push_back(std::move(embree));
+  } else {
+    std::printf("built without Embree: no ratios to it\n");
+  }
+  const bool has_peer = tracers.back()->name().starts_with("Embree");
+  const OurTracer& exact =
+      static_cast<const OurTracer&>(*tracers[1]);  // the truth that answers are held against
+
+  // Touching: just in front of what the camera's axis meets.
+  const Vec3f far_eye = {middle.x, middle.y, middle.z + 16.5f * unit};
+  const Ray axis = {far_eye, {0, 0, -1}};
+  const tetfmt::Hit front = tetfmt::first_hit(view, axis, tetfmt::locate(view, far_eye));
+  std::vector<float> distances = {16.5f, 14, 11.5f, 9, 6.5f, 4};
+  if (front.outcome == tetfmt::Outcome::hit)
+    distances.push_back(16.5f - static_cast<float>(front.t) / unit + 0.01f);
+
+  std::printf("%d x %d rays a view, one thread, %d repeats in turn; ns a ray, median (lowest .. highest)\n",
+              size, size, repeats);
+  for (const float distance : distances) {
+    const std::vector<Ray> rays = camera_rays({middle.x, middle.y, middle.z + distance * unit}, size);
+    std::vector<std::vector<double>> times(tracers.size());
+    std::vector<Answers> answers(tracers.size(), Answers(rays.size()));
+    for (int repeat = 0; repeat < repeats; ++repeat)
+      for (std::size_t i = 0; i < tracers.size(); ++i)
+        times[i].push_back(seconds([&] { tracers[i]->trace(rays, answers[i]); }) * 1e9 /
+                           static_cast<double>(rays.size()));
+
+    const auto hits =
+        std::count_if(answers[1].begin(), answers[1].end(), [](auto id) { return id != tetfmt::kNone; });
+    std::printf("\ndistance %.2f: %.1f tets a ray, %.1f %% of the rays hit\n", static_cast<double>(distance),
+                exact.mean_steps(rays), 100.0 * static_cast<double>(hits) / static_cast<double>(rays.size()));
+    for (std::size_t i = 0; i < tracers.size(); ++i) {
+      std::size_t different = 0;
+      for (std::size_t k = 0; k < rays.size(); ++k) different += answers[i][k] != answers[1][k];
+      std::printf("  %-22s %-28s", tracers[i]->name().c_str(), text(summarize(times[i]), 0).c_str());
+      if (has_peer) std::printf(" / Embree %-22s", text(ratio(times[i], times.back()), 2).c_str());
+      std::printf(" other answers than exact: %zu\n", different);
+    }
+    std::printf("  %-22s %s\n", "exact / float", text(ratio(times[1], times[0]), 2).c_str());
+  }
+}
+
+}  // namespace tetbench
