@@ -39,12 +39,12 @@ std::ostream& operator<<(std::ostream& out, const Source& source) {
 
 const Source kSources[] = {
     {"armadillo", "data/meshes/armadillo.off", "a scan", "torus-knot --triangles 52000"},
-    {"refined_elephant", "data/meshes/refined_elephant.off", "many small triangles",
-     "sphere --triangles 80000"},
-    {"dragon", "data/meshes/ChineseDragon-10kv.off", "a decimated scan", "torus-knot --triangles 20000"},
-    {"mannequin", "data/meshes/mannequin-devil.off", "open", "bumpy-plane --triangles 25000"},
-    {"anchor", "data/meshes/anchor_dense.off", "a CAD part, axis-aligned faces", "knots --triangles 8000"},
+    {"elephant", "data/meshes/refined_elephant.off", "many small triangles", "sphere --triangles 80000"},
+    {"dino", "data/meshes/dino.off", "a scan with colours", "torus-knot --triangles 8000"},
+    {"lion_head", "data/meshes/lion-head.off", "an open scan", "bumpy-plane --triangles 16000"},
+    {"three_peaks", "data/meshes/three_peaks.off", "an open height field", "bumpy-plane --triangles 4000"},
     {"fandisk", "data/meshes/fandisk.off", "a CAD part", "sphere --triangles 500"},
+    {"rotor", "data/meshes/rotor_small.off", "a CAD part", "knots --triangles 8000"},
 };
 
 /// Runs `tet` with `arguments`; on failure the message has what it wrote.
