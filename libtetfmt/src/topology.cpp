@@ -41,8 +41,12 @@ class Walk {
     hull_seen_.resize(view_.hull().size());
     queue_.reserve(tet_count);
 
-    start_from_sources();
-    for (std::size_t head = 0; head < queue_.size(); ++head) visit(queue_[head]);
+    for (std::size_t i = 0; i < view_.sources().size(); ++i) {
+      start_from(i);
+      // Everything that this source reaches, before the next one starts: the orientations of what two sources
+      // reach are relative to the first.
+      for (; visited_ < queue_.size(); ++visited_) visit(queue_[visited_]);
+    }
     check_tables();
     if (report_.valid()) check_reached();  // after any other problem these would only repeat it
     return std::move(topology_);
@@ -54,28 +58,26 @@ class Walk {
     add_issue(report_, code, where, std::forward<MakeText>(make_text));
   }
 
-  /// Every source tet against its cell; those that are sound seed the walk.
-  void start_from_sources() {
-    for (std::size_t i = 0; i < view_.sources().size(); ++i) {
-      const SourceTet& source = view_.sources()[i];
-      const auto& v = source.vertices;
-      const auto mismatch = [&](const char* what) {
-        add(Code::source_mismatch, i, [&] { return "source tet " + str(i) + ": " + what; });
-      };
-      if (source.reserved != 0) mismatch("the reserved word is not zero");
-      if (source.tet >= view_.tet_count()) {
-        mismatch("names a tet that does not exist");
-      } else if (!(v[0] < v[1] && v[1] < v[2] && v[2] < v[3] && v[3] < vertex_count_)) {
-        mismatch("vertex ids do not ascend, or leave the vertex array");
-      } else if (cells_.vertex_xor(source.tet) != (v[0] ^ v[1] ^ v[2] ^ v[3])) {
-        mismatch("the vertex ids do not give the cell's xor");
-      } else if (cells_.neighbors(source.tet, source.neighbors[3], 3) != source.neighbors) {
-        mismatch("the neighbours are not the cell's");
-      } else if (!reached(source.tet)) {
-        reach(source.tet, {v, source.neighbors}, 1);
-      } else if (topology_.tets[source.tet] != FullTet{v, source.neighbors}) {
-        mismatch("contradicts another source tet");
-      }
+  /// Source tet `i` against its cell; it seeds the walk if it is sound and new.
+  void start_from(std::size_t i) {
+    const SourceTet& source = view_.sources()[i];
+    const auto& v = source.vertices;
+    const auto mismatch = [&](const char* what) {
+      add(Code::source_mismatch, i, [&] { return "source tet " + str(i) + ": " + what; });
+    };
+    if (source.reserved != 0) mismatch("the reserved word is not zero");
+    if (source.tet >= view_.tet_count()) {
+      mismatch("names a tet that does not exist");
+    } else if (!(v[0] < v[1] && v[1] < v[2] && v[2] < v[3] && v[3] < vertex_count_)) {
+      mismatch("vertex ids do not ascend, or leave the vertex array");
+    } else if (cells_.vertex_xor(source.tet) != (v[0] ^ v[1] ^ v[2] ^ v[3])) {
+      mismatch("the vertex ids do not give the cell's xor");
+    } else if (cells_.neighbors(source.tet, source.neighbors[3], 3) != source.neighbors) {
+      mismatch("the neighbours are not the cell's");
+    } else if (!reached(source.tet)) {
+      reach(source.tet, {v, source.neighbors}, 1);
+    } else if (topology_.tets[source.tet] != FullTet{v, source.neighbors}) {
+      mismatch("contradicts another source tet");
     }
   }
 
@@ -273,7 +275,8 @@ class Walk {
   Topology topology_;
   std::vector<std::uint8_t> verified_;  ///< of each tetrahedron, a bit a face
   std::vector<std::uint8_t> side_uses_, hull_seen_;
-  std::vector<Index> queue_;
+  std::vector<Index> queue_;  ///< every tetrahedron reached, in that order
+  std::size_t visited_ = 0;   ///< how many of them have been visited
 };
 
 }  // namespace
