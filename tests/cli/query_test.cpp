@@ -95,7 +95,8 @@ TEST_F(CliTest, QueryAgreesWithTheBox) {
       ASSERT_EQ(hits.size(), rays.size());
       std::size_t met = 0, from_behind = 0;
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        const auto& [hit, ray] = std::tie(hits[i], rays[i]);
+        const HitRow& hit = hits[i];
+        const Row& ray = rays[i];
         const auto expected = box_hit(ray);
         if (!expected) {
           EXPECT_EQ(hit.triangle, -1);
