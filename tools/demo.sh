@@ -25,13 +25,13 @@ then
 fi
 tet=build/release/tools/tet/tet
 
-name=armadillo
+name=armadillo view=(--azimuth 210)  # the armadillo faces -z
 archive=$(mesh_archive "$PWD/build/meshes")
 if [ -n "$archive" ]; then
   tar -xzf "$archive" -C $out --strip-components=2 data/meshes/$name.off
 else
   echo "Debian's libcgal-demo has no meshes here (package documentation is stripped); making one instead"
-  name=torus-knot
+  name=torus-knot view=()
   $tet sample $name --triangles 52000 -o $out/$name.off
 fi
 
@@ -49,7 +49,7 @@ run convert $mesh -o $file --report $out/report.json -v
 run validate $file
 validate_seconds=$seconds
 run info $file
-run trace $file -o $picture 2> >(tee $out/trace.txt >&2)
+run trace $file -o $picture "${view[@]}" 2> >(tee $out/trace.txt >&2)
 
 # The reports are our own, one "key": value a line.
 field() { sed -n "s/^ *\"$2\": \([^,]*\),\{0,1\}$/\1/p" "$1" | head -n 1; }
