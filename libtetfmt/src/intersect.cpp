@@ -57,7 +57,8 @@ TrianglePoint intersect(const Vec3f& origin, const Vec3f& direction, const Vec3f
   point.t = dot(n, to_corner[0]) / along;
   // Below a few thousandths of a second of arc the quotient loses its digits; the triangle's outline does
   // not.
-  if (std::abs(along) <= 1e-8 * std::sqrt(dot(n, n) * dot(d, d))) {
+  // (Squares of float32 products neither overflow nor underflow in double precision.)
+  if (along * along <= 1e-16 * (dot(n, n) * dot(d, d))) {
     const auto [first, last] = clip(to_corner, d, axis, n[axis] > 0 ? 1 : -1);
     point.t = point.t >= first ? std::min(point.t, last) : first;  // NaN and too small alike: the entry
   }

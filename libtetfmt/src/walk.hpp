@@ -132,16 +132,16 @@ struct Leaving {
   Ref ref;                     ///< what lies across the exit face
 };
 
-/// Walks from tetrahedron `tet`, entered by reference `previous` through `ids`. After each tetrahedron,
-/// `on_exit(Leaving)` says whether to go on: it gets the reference by value and returns the tetrahedron to
-/// enter and the reference to have come by, or nothing to stop. kChecked: every index is looked at before
-/// use. Returns the number of tetrahedra visited, or nothing if the bytes do not describe a mesh. Tetrahedra
-/// are convex and disjoint, so a straight line enters each at most once: more steps than tetrahedra mean a
-/// cycle.
+/// What a walk does next: enters `tet`, having come by `previous`; or stops, with kNone.
 struct Continue {
-  Index tet = kNone;  ///< kNone: stop
+  Index tet = kNone;
   Ref previous = kHull;
 };
+
+/// Walks from tetrahedron `tet`, entered by reference `previous` through `ids`. After each tetrahedron,
+/// `on_exit(Leaving)` says what to do next. kChecked: every index is looked at before use. Returns the number
+/// of tetrahedra visited, or nothing if the bytes do not describe a mesh. Tetrahedra are convex and disjoint,
+/// so a straight line enters each at most once: more steps than tetrahedra mean a cycle.
 template <bool kChecked, class Cells, class Signs, class OnExit>
 std::optional<std::uint32_t> walk(const FileView& view, const Cells& cells, const Signs& signs, Index tet,
                                   Ref previous, const std::array<Index, 3>& ids, OnExit&& on_exit) {
@@ -193,30 +193,51 @@ std::optional<std::uint32_t> walk(const FileView& view, const Cells& cells, cons
   return std::nullopt;
 }
 
+/// The faces of a tetrahedron whose vertices, ascending, are positively oriented: face k lies opposite vertex
+/// k and has its normal outwards. A negative one has all of them turned around.
+inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kOutwardFaces = {
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+/// The six edges (a, b), a < b, in the order of the bits below.
+constexpr unsigned edge_bit(unsigned a, unsigned b) {
+  return a == 0 ? b - 1 : a + b;
+}
+
+/// From which edges of a positive tetrahedron pass a line on the left, the face by which it leaves: the one
+/// it crosses counter-clockwise. 4 where there is none.
+inline constexpr std::array<std::uint8_t, 64> kExitRank = [] {
+  std::array<std::uint8_t, 64> table{};
+  for (unsigned bits = 0; bits < 64; ++bits) {
+    table[bits] = 4;
+    const auto left = [&](unsigned a, unsigned b) {
+      return a < b ? (bits >> edge_bit(a, b) & 1u) == 1 : (bits >> edge_bit(b, a) & 1u) == 0;
+    };
+    for (std::uint8_t k = 0; k < 4; ++k) {
+      const auto& f = kOutwardFaces[k];
+      if (left(f[0], f[1]) && left(f[1], f[2]) && left(f[2], f[0])) table[bits] = k;
+    }
+  }
+  return table;
+}();
+
 /// The face by which the line leaves `cell`, if it passes through it (after perturbation).
-template <class Signs>
-std::optional<Passage> exit_of(const FileView& view, const Signs& signs, const Cell& cell) {
+inline std::optional<Passage> exit_of(const FileView& view, const ExactSigns& signs, const Cell& cell) {
   const auto& v = cell.vertices;
   const auto points = view.vertices();
-  std::array<Point2<typename Signs::Real>, 4> p;
-  std::array<Corner, 4> corner;
-  for (std::size_t k = 0; k < 4; ++k) {
-    corner[k] = {points[v[k]], v[k]};
-    p[k] = signs.project(points[v[k]]);
-  }
-  const bool positive = !behind(corner[0], corner[1], corner[2], to_vec3d(corner[3].point));
-  for (std::size_t k = 0; k < 4; ++k) {
-    // The face opposite k, ascending, has its normal towards the apex if the tetrahedron is positive and k
-    // odd, or neither: then two corners are swapped to turn it outwards.
-    std::array<std::size_t, 3> f = {k == 0 ? 1u : 0u, k <= 1 ? 2u : 1u, k == 3 ? 2u : 3u};
-    if (positive == (k % 2 == 1)) std::swap(f[1], f[2]);
-    const auto left = [&](std::size_t a, std::size_t b) {
-      return signs.left(p[f[a]], v[f[a]], p[f[b]], v[f[b]]);
-    };
-    if (left(0, 1) && left(1, 2) && left(2, 0))
-      return Passage{cell.tet, {v[f[0]], v[f[1]], v[f[2]]}, cell.neighbors[k]};
-  }
-  return std::nullopt;
+  std::array<Point2<double>, 4> p;
+  for (std::size_t k = 0; k < 4; ++k) p[k] = signs.project(points[v[k]]);
+  unsigned bits = 0;
+  for (unsigned a = 0; a < 3; ++a)
+    for (unsigned b = a + 1; b < 4; ++b)
+      bits |= static_cast<unsigned>(signs.left(p[a], v[a], p[b], v[b])) << edge_bit(a, b);
+
+  const bool negative =
+      behind({points[v[0]], v[0]}, {points[v[1]], v[1]}, {points[v[2]], v[2]}, to_vec3d(points[v[3]]));
+  const std::uint8_t k = kExitRank[negative ? bits ^ 63u : bits];
+  if (k == 4) return std::nullopt;
+  auto f = kOutwardFaces[k];
+  if (negative) std::swap(f[1], f[2]);
+  return Passage{cell.tet, {v[f[0]], v[f[1]], v[f[2]]}, cell.neighbors[k]};
 }
 
 /// True if a cell that came from outside may be used with this view: its indices exist.

@@ -27,9 +27,16 @@ class Tracer {
 /// Embree is not built in.
 std::unique_ptr<Tracer> make_embree(const tetfmt::FileView& view);
 
-/// Camera rays at seven distances from the surface, each tracer in turn, `repeats` times (at least 5).
+struct CameraSeries {
+  int size = 500;             ///< width and height of each view, in rays
+  int repeats = 5;            ///< of every measurement
+  double field_of_view = 45;  ///< degrees, across width and height
+};
+
+/// Camera rays at seven distances from the surface, each tracer in turn, `repeats` times.
 /// `other` is the same mesh in the other layout, or null. Prints a table.
-void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other, int size, int repeats);
+void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other,
+                   const CameraSeries& options);
 
 /// Opening and validating the file at `path`, `repeats` times. Prints a table.
 void file_costs(const std::string& path, int repeats);

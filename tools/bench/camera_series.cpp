@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // The camera series of Aman, Demirci and Gudukbay (2022), Table 1: one mesh from seven distances, the last
 // one touching its surface. Distances are those at which the mesh's largest extent is 10, measured from the
-// middle of its bounds; the camera looks along -z with a field of view of 90 degrees.
+// middle of its bounds; the camera looks along -z.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "bench/bench.hpp"
 #include "bench/statistics.hpp"
@@ -59,20 +60,21 @@ Bounds surface_bounds(const tetfmt::FileView& view) {
   return bounds;
 }
 
-std::vector<Ray> camera_rays(const Vec3f& eye, int size) {
+std::vector<Ray> camera_rays(const Vec3f& eye, int size, double field_of_view) {
   std::vector<Ray> rays;
   const auto n = static_cast<float>(size);
+  const auto half = static_cast<float>(std::tan(field_of_view * std::numbers::pi / 360));
+  const auto across = [&](int pixel) { return half * (2 * (static_cast<float>(pixel) + 0.5f) / n - 1); };
   for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x)
-      rays.push_back(
-          {eye,
-           {2 * (static_cast<float>(x) + 0.5f) / n - 1, 1 - 2 * (static_cast<float>(y) + 0.5f) / n, -1}});
+    for (int x = 0; x < size; ++x) rays.push_back({eye, {across(x), -across(y), -1}});
   return rays;
 }
 
 }  // namespace
 
-void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other, int size, int repeats) {
+void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other,
+                   const CameraSeries& options) {
+  const auto [size, repeats, field_of_view] = options;
   const Bounds box = surface_bounds(view.view());
   const Vec3f middle = {(box.lower.x + box.upper.x) / 2, (box.lower.y + box.upper.y) / 2,
                         (box.lower.z + box.upper.z) / 2};
@@ -103,10 +105,13 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
   if (front.outcome == tetfmt::Outcome::hit)
     distances.push_back(16.5f - static_cast<float>(front.t) / unit + 0.01f);
 
-  std::printf("%d x %d rays a view, one thread, %d repeats in turn; ns a ray, median (lowest .. highest)\n",
-              size, size, repeats);
+  std::printf(
+      "%d x %d rays a view, one thread, %d repeats in turn; ns a ray, processor time, median (lowest .. "
+      "highest)\n",
+      size, size, repeats);
   for (const float distance : distances) {
-    const std::vector<Ray> rays = camera_rays({middle.x, middle.y, middle.z + distance * unit}, size);
+    const std::vector<Ray> rays =
+        camera_rays({middle.x, middle.y, middle.z + distance * unit}, size, field_of_view);
     std::vector<std::vector<double>> times(tracers.size());
     std::vector<Answers> answers(tracers.size(), Answers(rays.size()));
     for (int repeat = 0; repeat < repeats; ++repeat)

@@ -32,26 +32,29 @@ int run(int argc, char** argv) {
       "rtcIntersect1 on the same rays. Example:\n"
       "  tet-bench armadillo20.tet --other armadillo16.tet");
   std::string path, other;
-  int size = 500, repeats = 5;
+  tetbench::CameraSeries series;
   app.add_option("FILE", path, "the tet file")->required();
   app.add_option("--other", other, "the same mesh in the other layout");
-  app.add_option("--size", size, "width and height of each view, in rays")
+  app.add_option("--size", series.size, "width and height of each view, in rays")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  app.add_option("--repeats", repeats, "how often each measurement is made")
+  app.add_option("--repeats", series.repeats, "how often each measurement is made")
       ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--fov", series.field_of_view, "field of view, degrees")
+      ->check(CLI::Range(1.0, 170.0))
       ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
   }
-  tetbench::file_costs(path, repeats);
-  if (!other.empty()) tetbench::file_costs(other, repeats);
+  tetbench::file_costs(path, series.repeats);
+  if (!other.empty()) tetbench::file_costs(other, series.repeats);
   const OpenFile first = open_trusted(path);
   std::optional<OpenFile> second;
   if (!other.empty()) second.emplace(open_trusted(other));
-  tetbench::camera_series(first.view, second ? &second->view : nullptr, size, repeats);
+  tetbench::camera_series(first.view, second ? &second->view : nullptr, series);
   return 0;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "bench/statistics.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -23,6 +25,12 @@ std::string text(const Summary& summary, int digits) {
   std::snprintf(buffer, sizeof(buffer), "%.*f (%.*f .. %.*f)", digits, summary.median, digits, summary.low,
                 digits, summary.high);
   return buffer;
+}
+
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace tetbench

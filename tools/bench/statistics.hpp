@@ -2,7 +2,6 @@
 // What is said of repeated measurements: median and spread.
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <vector>
 
@@ -22,12 +21,15 @@ Summary ratio(const std::vector<double>& a, const std::vector<double>& b);
 /// "0.83 (0.81 .. 0.86)"
 std::string text(const Summary& summary, int digits);
 
-/// Seconds that `work` takes.
+/// Seconds of processor time that this thread has used: what other programs do on the machine is not counted.
+double thread_seconds();
+
+/// Processor time that `work` takes on this thread.
 template <class Work>
 double seconds(Work&& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = thread_seconds();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return thread_seconds() - start;
 }
 
 }  // namespace tetbench
