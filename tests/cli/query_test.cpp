@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <random>
-#include <regex>
 #include <sstream>
 
 #include "cli/cli_support.hpp"
@@ -216,9 +215,10 @@ TEST_F(CliTest, QueryModelSpaceSubtractsTheOriginInDouble) {
   EXPECT_EQ(model.exit_code, 0) << model.err;
   EXPECT_EQ(model.err, "");
   EXPECT_EQ(model.out, local.out);
-  const auto line = std::regex("\n[0-9]+,");
-  EXPECT_GT(std::distance(std::sregex_iterator(model.out.begin(), model.out.end(), line), {}),
-            5);  // some are hits
+  std::size_t misses = 0;
+  for (auto at = model.out.find("\n-1,"); at != std::string::npos; at = model.out.find("\n-1,", at + 1))
+    ++misses;
+  EXPECT_LT(misses, rays.size() - 40);  // some are hits
 }
 
 TEST_F(CliTest, QueryWarnsWhereLocalSpaceHasToRound) {
