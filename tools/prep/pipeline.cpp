@@ -111,7 +111,11 @@ ConvertReport convert(const ConvertOptions& options, Progress& progress) {
   {
     tetfmt::Mesh mesh;
     {
-      const TetMesh tets = tetrahedralize_input(options, threads, surface, progress, log, report);
+      TetMesh tets = tetrahedralize_input(options, threads, surface, progress, log, report);
+      if (options.reduce_crossings) {
+        log.begin("reduce crossings");
+        report.crossings = reduce_crossings(tets, progress);
+      }
       log.begin("order");
       mesh = order(tets, surface);
     }

@@ -132,9 +132,7 @@ struct PlyCounts {
 /// Compares what the header promises with the file's size. Throws if they cannot both be true.
 PlyCounts check_ply_header(const SourceFile& file) {
   if (!file.text.starts_with("ply")) file.fail(1, "does not start as a PLY file");
-  const std::string_view header =
-      std::string_view(file.text).substr(0, file.text.find('\0'));  // or more: binary follows
-  Lines lines(header);
+  Lines lines(file.text);
   std::vector<std::string_view> words;
   PlyCounts counts;
   bool binary = false, ended = false;
@@ -159,11 +157,11 @@ PlyCounts check_ply_header(const SourceFile& file) {
     ended = words[0] == "end_header";
   }
   if (!ended) file.fail(lines.number(), "the header does not end: cut short, or no PLY file");
-  const std::size_t bytes_left = file.text.size() - (header.size() - lines.bytes_left());
-  if (bytes > static_cast<double>(bytes_left) + 1)  // the last value needs no blank after it
+  if (bytes > static_cast<double>(lines.bytes_left()) + 1)  // the last value needs no blank after it
     file.fail(lines.number(), "the header promises " + std::to_string(counts.vertices) + " vertices and " +
                                   std::to_string(counts.faces) + " faces, but only " +
-                                  std::to_string(bytes_left) + " bytes follow: cut short, or damaged");
+                                  std::to_string(lines.bytes_left()) +
+                                  " bytes follow: cut short, or damaged");
   return counts;
 }
 

@@ -66,7 +66,8 @@ int choose_exponent(const Extent& extent) {
 /// 0 where the grid coordinates around 0 are small enough (the box's margin included), else the middle.
 /// The middle is a multiple of the step: an origin off the grid would round every point.
 Point choose_origin(const Extent& extent, double step) {
-  const double reach = static_cast<double>(kMaxCoordinate) * step - extent.largest;
+  const double reach =
+      (kMaxCoordinate - 2) * step - extent.largest / 16;  // box_around()'s margin, rounded up
   Point origin{};
   for (std::size_t k = 0; k < 3; ++k) {
     if (extent.low[k] >= -reach && extent.high[k] <= reach) continue;

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// The whole conversion, from file to file.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "prep/hilbert.hpp"
+#include "prep/pipeline.hpp"
+#include "prep/prep_support.hpp"
+#include "tetfmt/mapped_file.hpp"
+#include "tetfmt/reconstruct.hpp"
+#include "tetfmt/traverse.hpp"
+#include "tetfmt/validate.hpp"
+
+namespace tetprep_test {
+namespace {
+
+using tetfmt::Layout;
+using tetprep::convert;
+using tetprep::ConvertOptions;
+using tetprep::ConvertReport;
+using tetprep::ExitCode;
+
+class Convert : public FolderTest {
+ protected:
+  ConvertReport run(const std::string& input, const std::string& output, Layout layout = Layout::tet20,
+                    unsigned threads = 2, const std::string& report = {}) {
+    ConvertOptions options;
+    options.input = input;
+    options.output = path(output);
+    options.layout = layout;
+    options.threads = threads;
+    if (!report.empty()) options.report = path(report);
+    tetprep::Progress progress;
+    return convert(options, progress);
+  }
+
+  tetfmt::Mesh reconstructed(const std::string& name) {
+    auto file = tetfmt::MappedFile::open(path(name));
+    EXPECT_TRUE(file);
+    EXPECT_TRUE(tetfmt::validate(file->bytes()).valid());
+    const auto view = tetfmt::FileView::open(file->bytes());
+    auto mesh = tetfmt::reconstruct(*view);
+    EXPECT_TRUE(mesh);
+    return *mesh;
+  }
+};
+
+TEST_F(Convert, RoundTrip) {
+  const TriangleSoup soup = join(ball(9), moved(cube({0, 0, 0}, 1), {3, 0, 0}));
+  const std::string input = write("in.obj", as_obj(soup));
+  const ConvertReport report = run(input, "a.tet");
+  run(input, "b.tet", Layout::tet16);
+  EXPECT_EQ(listing(), (std::vector<std::string>{"a.tet", "b.tet", "in.obj"}));
+  const tetfmt::Mesh mesh = reconstructed("a.tet"), other = reconstructed("b.tet");
+  EXPECT_EQ(mesh.tets, other.tets);
+  EXPECT_EQ(mesh.vertices, other.vertices);
+  EXPECT_EQ(report.tets, mesh.tets.size());
+  EXPECT_EQ(report.hull_faces, 12u);
+  EXPECT_EQ(report.output_bytes, read("a.tet").size());
+
+  // Triangles come in input order, with the input's corners in the input's order.
+  ASSERT_EQ(mesh.triangles.size(), soup.triangles.size());
+  const double tolerance = report.max_deviation * 1.0001;
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const tetfmt::Vec3f v = mesh.vertices[mesh.triangles[t].vertices[i]];
+      const auto& p = soup.points[soup.triangles[t][i]];
+      EXPECT_LE(
+          std::hypot(mesh.origin[0] + v.x - p[0], mesh.origin[1] + v.y - p[1], mesh.origin[2] + v.z - p[2]),
+          tolerance);
+    }
+}
+
+TEST_F(Convert, OrderInvariants) {
+  run(write("in.obj", as_obj(ball(9))), "a.tet");
+  const tetfmt::Mesh mesh = reconstructed("a.tet");
+  // Sides are numbered as the tets come.
+  Index next = 0;
+  std::set<Index> seen;
+  for (const auto& tet : mesh.tets)
+    for (const tetfmt::Ref ref : tet.neighbors)
+      if (tetfmt::is_side(ref) && seen.insert(tetfmt::side_index(ref) / 2).second) {
+        EXPECT_EQ(tetfmt::side_index(ref) / 2, next++);
+      }
+  EXPECT_EQ(next * 2, mesh.sides.size());
+  // Outside of a closed surface that points outward lies the front: the source tet is inside, as is the
+  // middle.
+  EXPECT_EQ(mesh.sources.size(), 1u);
+  const auto file = tetfmt::MappedFile::open(path("a.tet"));
+  const auto view = tetfmt::FileView::open(file->bytes());
+  const auto middle = tetfmt::locate(*view, {0, 0, 0});
+  ASSERT_EQ(middle.state, tetfmt::Location::State::inside);
+  const auto hit = tetfmt::first_hit(*view, {{0, 0, 0}, {1, 0.1f, 0.2f}}, middle);
+  EXPECT_EQ(hit.outcome, tetfmt::Outcome::hit);
+  EXPECT_TRUE(hit.back);
+  // Neighbours in the file are neighbours in space: far less than the 2 / 3 of random order.
+  double jump = 0;
+  for (std::size_t i = 1; i < mesh.tets.size(); ++i) {
+    const auto &p = mesh.vertices[mesh.tets[i - 1].vertices[0]], &q = mesh.vertices[mesh.tets[i].vertices[0]];
+    jump += std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
+  }
+  EXPECT_LT(jump / static_cast<double>(mesh.tets.size()), 0.5);
+}
+
+TEST(Hilbert, VisitsNeighboursInTurn) {
+  // The curve through the 16 x 16 x 16 corner of the cube: every step goes to a neighbour, none twice.
+  constexpr std::uint32_t n = 16;
+  std::vector<std::pair<std::uint64_t, std::array<std::uint32_t, 3>>> places;
+  for (std::uint32_t x = 0; x < n; ++x)
+    for (std::uint32_t y = 0; y < n; ++y)
+      for (std::uint32_t z = 0; z < n; ++z)
+        places.push_back({tetprep::hilbert_position({x, y, z}), {x, y, z}});
+  std::sort(places.begin(), places.end());
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    int distance = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      distance += std::abs(static_cast<int>(places[i].second[k]) - static_cast<int>(places[i - 1].second[k]));
+    EXPECT_EQ(distance, 1);
+    EXPECT_EQ(places[i].first, i);
+  }
+}
+
+TEST_F(Convert, SameBytesForAnyThreads) {
+  const std::string input = write("in.obj", as_obj(ball(25)));
+  run(input, "one.tet", Layout::tet20, 1);
+  run(input, "two.tet", Layout::tet20, 2);
+  run(input, "again.tet", Layout::tet20, 2);
+  EXPECT_EQ(read("one.tet"), read("two.tet"));
+  EXPECT_EQ(read("two.tet"), read("again.tet"));
+}
+
+TEST_F(Convert, FarFromTheOrigin) {
+  const TriangleSoup near = cube({0, 0, 0}, 4);
+  const std::array<double, 3> far{1048576.25, -3e7, 12345.5};
+  run(write("near.obj", as_obj(near)), "near.tet");
+  run(write("far.obj", as_obj(moved(near, far))), "far.tet");
+  const tetfmt::Mesh mesh = reconstructed("far.tet");
+  for (std::size_t t = 0; t < near.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const tetfmt::Vec3f v = mesh.vertices[mesh.triangles[t].vertices[i]];
+      const auto& p = near.points[near.triangles[t][i]];
+      EXPECT_EQ(mesh.origin[0] + v.x, p[0] + far[0]);
+      EXPECT_EQ(mesh.origin[1] + v.y, p[1] + far[1]);
+      EXPECT_EQ(mesh.origin[2] + v.z, p[2] + far[2]);
+    }
+  EXPECT_EQ(mesh.tets.size(), reconstructed("near.tet").tets.size());
+}
+
+TEST_F(Convert, DroppedTrianglesKeepTheirPlace) {
+  TriangleSoup soup = cube({0, 0, 0}, 1);
+  soup.triangles.insert(soup.triangles.begin() + 3, {0, 0, 1});
+  soup.triangles.push_back(soup.triangles[0]);
+  const ConvertReport report = run(write("in.obj", as_obj(soup)), "a.tet");
+  EXPECT_EQ(report.degenerate_triangles, 1u);
+  EXPECT_EQ(report.duplicate_triangles, 1u);
+  const tetfmt::Mesh mesh = reconstructed("a.tet");
+  ASSERT_EQ(mesh.triangles.size(), 14u);
+  for (std::size_t t = 0; t < 14; ++t) EXPECT_EQ(mesh.triangles[t].dropped(), t == 3 || t == 13) << t;
+}
+
+TEST_F(Convert, ReportIsJson) {
+  run(write("in.obj", as_obj(ball(5))), "a.tet", Layout::tet16, 1, "report.json");
+  const auto json = nlohmann::json::parse(read("report.json"));
+  EXPECT_EQ(json["options"]["layout"], "tet16");
+  EXPECT_EQ(json["surface"]["input_triangles"], 300);
+  EXPECT_EQ(json["result"]["bytes"], read("a.tet").size());
+  EXPECT_EQ(json["result"]["hull_faces"], 12);
+  EXPECT_EQ(json["tetgen"]["switches"], "pYQq20");
+  std::set<std::string> stages;
+  for (const auto& stage : json["stages"]) {
+    stages.insert(stage["name"]);
+    EXPECT_GE(stage["seconds"], 0);
+    EXPECT_GT(stage["peak_memory_mb"], 0);
+  }
+  for (const char* name : {"read", "snap", "tetrahedralize", "order", "encode", "validate", "write",
+                           "tetgen: delaunay", "tetgen: boundary recovery"})
+    EXPECT_TRUE(stages.contains(name)) << name;
+}
+
+TEST_F(Convert, FailuresLeaveNothing) {
+  const std::string good = write("good.obj", as_obj(cube({0, 0, 0}, 1)));
+  const std::string crossing = write("crossing.obj", as_obj(join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8))));
+  const std::string flat = write("flat.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
+  const std::string old = write("old.tet", "what was there before");
+  const auto before = listing();
+  const auto code_of = [&](const std::string& input, const std::string& output,
+                           const std::string& report = {}) {
+    const auto failure = failure_of([&] { run(input, output, Layout::tet20, 2, report); });
+    EXPECT_EQ(listing(), before) << failure.what();
+    return failure.code();
+  };
+  EXPECT_EQ(code_of(crossing, "old.tet"), ExitCode::invalid);
+  EXPECT_EQ(code_of(flat, "out.tet"), ExitCode::invalid);
+  EXPECT_EQ(code_of(path("missing.obj"), "out.tet"), ExitCode::io);
+  EXPECT_EQ(code_of(good, "no/such/folder/out.tet"), ExitCode::io);
+  EXPECT_EQ(code_of(good, ""), ExitCode::io) << "a directory";
+  EXPECT_EQ(code_of(good, "good.obj"), ExitCode::usage);
+  EXPECT_EQ(code_of(good, "out.tet", "no/such/folder/report.json"), ExitCode::io);
+  EXPECT_EQ(read("old.tet"), "what was there before");
+}
+
+TEST_F(Convert, FullDisk) {
+  ConvertOptions options;
+  options.input = write("in.obj", as_obj(cube({0, 0, 0}, 1)));
+  options.output = "/dev/full";
+  tetprep::Progress progress;
+  const auto failure = failure_of([&] { convert(options, progress); });
+  EXPECT_EQ(failure.code(), ExitCode::io);
+  EXPECT_TRUE(mentions(failure.what(), {"/dev/full", "space"}));
+}
+
+/// Tells where the work is, by a byte in a pipe.
+class Beacon : public tetprep::Progress {
+ public:
+  Beacon(int descriptor, std::string stage) : descriptor_(descriptor), stage_(std::move(stage)) {}
+  void stage(std::string_view name) override {
+    if (name == stage_ && write(descriptor_, "x", 1) < 0) _exit(2);
+  }
+
+ private:
+  int descriptor_;
+  std::string stage_;
+};
+
+TEST_F(Convert, InterruptLeavesNothing) {
+  const std::string input = write("in.obj", as_obj(ball(80)));
+  for (const int signal : {SIGINT, SIGTERM}) {
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    const pid_t worker = fork();
+    if (worker == 0) {
+      ConvertOptions options;
+      options.input = input;
+      options.output = path("out.tet");
+      Beacon beacon(ends[1], "tetgen: boundary recovery");
+      convert(options, beacon);
+      _exit(0);
+    }
+    char byte = 0;
+    ASSERT_EQ(::read(ends[0], &byte, 1), 1);
+    kill(worker, signal);
+    int status = 0;
+    waitpid(worker, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal);
+    EXPECT_EQ(listing(), (std::vector<std::string>{"in.obj"}));
+    close(ends[0]);
+    close(ends[1]);
+  }
+}
+
+}  // namespace
+}  // namespace tetprep_test

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+#pragma once
+
+#include "prep/prep.hpp"
+
+namespace tetprep {
+
+struct CrossingReport {
+  double area_before = 0, area_after = 0;  ///< of all unconstrained faces, in areas of the box
+  Index flips = 0;
+};
+
+/// Flips tetrahedra until the total area of the unconstrained faces is locally least: the crossings of a
+/// random line are expected to be proportional to it (the Cauchy-Crofton formula). Two moves, each taken
+/// where it makes the area smaller: an edge is removed and the ring of its tetrahedra filled again by dynamic
+/// programming (Shewchuk 2002, "Two discrete optimization algorithms for the topological improvement of
+/// tetrahedral meshes"), and a face is replaced by the edge between the two vertices opposite it.
+///
+/// Points, constrained faces and the hull stay as they are; every new tetrahedron is strictly positive by
+/// exact arithmetic. Deterministic. About O(tets).
+CrossingReport reduce_crossings(TetMesh& mesh, Progress& progress);
+
+}  // namespace tetprep
