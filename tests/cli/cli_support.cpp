@@ -22,7 +22,7 @@ class Scratch {
  public:
   explicit Scratch(std::string_view contents = {}) : file_(std::tmpfile()) {
     if (file_ == nullptr) throw std::runtime_error("no temporary file");
-    std::fwrite(contents.data(), 1, contents.size(), file_);
+    if (!contents.empty()) std::fwrite(contents.data(), 1, contents.size(), file_);
     std::rewind(file_);
   }
   ~Scratch() { std::fclose(file_); }
