@@ -72,11 +72,9 @@ bool contains(const std::vector<GridPoint>& points, std::array<Index, 4> tet, co
 
 }  // namespace
 
-tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface) {
-  const Box box = box_around(surface.points);
+void sort_tets(TetMesh& mesh) {
+  const Box box = box_around(mesh.points);
   const Curve curve(box);
-  const std::vector<Index> vertex_order =
-      sorted_by(mesh.points.size(), [&](std::size_t i) { return curve.position(mesh.points[i]); });
   const std::vector<Index> tet_order = sorted_by(mesh.tets.size(), [&](std::size_t t) {
     GridPoint middle{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -86,7 +84,26 @@ tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface) {
     }
     return curve.position(middle);
   });
-  const std::vector<Index> new_vertex = inverse(vertex_order), new_tet = inverse(tet_order);
+  const auto permuted = [&](const std::vector<std::array<Index, 4>>& from) {
+    std::vector<std::array<Index, 4>> to(from.size());
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = from[tet_order[i]];
+    return to;
+  };
+  mesh.tets = permuted(mesh.tets);
+  mesh.face_triangle = permuted(mesh.face_triangle);
+  mesh.neighbors = permuted(mesh.neighbors);
+  const std::vector<Index> new_tet = inverse(tet_order);
+  for (auto& neighbors : mesh.neighbors)
+    for (Index& neighbor : neighbors)
+      if (neighbor != kNone) neighbor = new_tet[neighbor];
+}
+
+tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface) {
+  const Box box = box_around(surface.points);
+  const Curve curve(box);
+  const std::vector<Index> vertex_order =
+      sorted_by(mesh.points.size(), [&](std::size_t i) { return curve.position(mesh.points[i]); });
+  const std::vector<Index> new_vertex = inverse(vertex_order);
 
   tetfmt::Mesh out;
   out.origin = mesh.origin;
@@ -108,20 +125,19 @@ tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface) {
   Index faces = 0;
   out.sides.resize(2 * surface.triangles.size());
   out.tets.resize(mesh.tets.size());
-  for (std::size_t i = 0; i < tet_order.size(); ++i) {
-    const Index from = tet_order[i];
-    const auto& corners = mesh.tets[from];
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    const auto& corners = mesh.tets[t];
     std::array<std::size_t, 4> slots{0, 1, 2, 3};
     std::sort(slots.begin(), slots.end(),
               [&](std::size_t a, std::size_t b) { return new_vertex[corners[a]] < new_vertex[corners[b]]; });
-    tetfmt::FullTet& tet = out.tets[i];
+    tetfmt::FullTet& tet = out.tets[t];
     for (std::size_t k = 0; k < 4; ++k) {
       const std::size_t slot = slots[k];
       tet.vertices[k] = new_vertex[corners[slot]];
-      const Index triangle = mesh.face_triangle[from][slot];
+      const Index triangle = mesh.face_triangle[t][slot];
       if (triangle == kNone) {
-        const Index beyond = mesh.neighbors[from][slot];
-        tet.neighbors[k] = beyond == kNone ? tetfmt::kHull : new_tet[beyond];
+        const Index beyond = mesh.neighbors[t][slot];
+        tet.neighbors[k] = beyond == kNone ? tetfmt::kHull : beyond;
         continue;
       }
       if (face_number[triangle] == kNone) face_number[triangle] = faces++;
@@ -129,15 +145,15 @@ tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface) {
       const bool front =
           tetfmt::orientation(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[corners[slot]]) > 0;
       const Index side = 2 * face_number[triangle] + (front ? 0 : 1);
-      out.sides[side] = {static_cast<Index>(i), surface.input_triangle[triangle], 0};
+      out.sides[side] = {static_cast<Index>(t), surface.input_triangle[triangle], 0};
       tet.neighbors[k] = tetfmt::side_ref(side);
     }
   }
 
   const GridPoint centre = box.centre();
-  for (Index i = 0; i < tet_order.size(); ++i) {
-    if (!contains(mesh.points, mesh.tets[tet_order[i]], centre)) continue;
-    out.sources = {i};
+  for (Index t = 0; t < mesh.tets.size(); ++t) {
+    if (!contains(mesh.points, mesh.tets[t], centre)) continue;
+    out.sources = {t};
     break;
   }
   return out;

@@ -112,9 +112,11 @@ ConvertReport convert(const ConvertOptions& options, Progress& progress) {
     tetfmt::Mesh mesh;
     {
       TetMesh tets = tetrahedralize_input(options, threads, surface, progress, log, report);
-      if (options.reduce_crossings) {
+      log.begin("sort");
+      sort_tets(tets);
+      if (options.optimize != Optimize::none) {
         log.begin("reduce crossings");
-        report.crossings = reduce_crossings(tets, progress);
+        report.crossings = reduce_crossings(tets, options.optimize, progress);
       }
       log.begin("order");
       mesh = order(tets, surface);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "prep/prep.hpp"
+#include "prep/reduce_crossings.hpp"
 #include "tetfmt/layout.hpp"
 
 namespace tetprep {
@@ -17,6 +18,7 @@ struct ConvertOptions {
   unsigned threads = 0;  ///< 0: as many as the machine has
   double radius_edge = TetrahedralizeOptions{}.radius_edge;
   double time_limit = 0;
+  Optimize optimize = Optimize::fast;
 };
 
 /// What happened, for the user and for the report file.
@@ -29,6 +31,7 @@ struct ConvertReport {
   int grid_exponent = 0;
   double max_deviation = 0;
   TetrahedralizeReport tetrahedralize;
+  CrossingReport crossings;  ///< all zero if that stage was left out
   std::vector<StageCost> stages;
   double seconds = 0;
   double peak_memory_mb = 0;  ///< of this process and TetGen's together, at their worst moments

@@ -69,9 +69,9 @@ struct FailedAttempt {
 };
 
 struct TetrahedralizeOptions {
-  double radius_edge = 20;  ///< bound on circumradius / shortest edge; 0 for none
-  double time_limit = 0;    ///< seconds an attempt may take; 0 chooses by the number of triangles
-  unsigned threads = 1;     ///< for the search for intersections, which runs beside TetGen
+  double radius_edge = 8;  ///< bound on circumradius / shortest edge; 0 for none
+  double time_limit = 0;   ///< seconds an attempt may take; 0 chooses by the number of triangles
+  unsigned threads = 1;    ///< for the search for intersections, which runs beside TetGen
 };
 
 /// What happened on the way to a TetMesh.
@@ -99,9 +99,13 @@ CleanSurface snap(const TriangleSoup& soup);
 TetMesh tetrahedralize(const CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
                        StageLog& log, TetrahedralizeReport& report);
 
-/// Renumbers tets and vertices along Hilbert curves and puts everything into the file's terms. The source tet
-/// is the one that contains the box's centre: walks to anywhere start there, and from the middle they are
-/// shortest on average. Deterministic for any number of threads. O(tets log tets).
+/// Puts the tets in order along a Hilbert curve: what is near each other in space then is in memory, for
+/// every stage that follows and for the rays. Deterministic for any number of threads. O(tets log tets).
+void sort_tets(TetMesh& mesh);
+
+/// Puts everything into the file's terms: vertices along a Hilbert curve, tets as they come, faces as the
+/// tets need them. The source tet is the one that contains the box's centre: walks to anywhere start there,
+/// and from the middle they are shortest on average. Deterministic for any number of threads. O(tets).
 tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface);
 
 }  // namespace tetprep

@@ -21,6 +21,11 @@ constexpr std::size_t kMaxRing = 12;
 /// A move must gain at least this share of the area it touches; rounding then cannot make two moves undo each
 /// other for ever.
 constexpr double kLeastGain = 1e-6;
+/// Optimize::fast considers a move only if the faces that it would replace have this many times the area that
+/// there is per tetrahedron. Large faces are few and are most of the area: on the armadillo (52,000
+/// triangles), 3 leaves 7 % of the flips and a quarter of the time, and rays cross 4 to 8 % more tetrahedra
+/// than with all of them.
+constexpr double kWorthwhile = 3;
 
 Face face_of(const Tet& tet, std::size_t opposite) {
   Face face{};
@@ -40,9 +45,12 @@ class Reducer {
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) make_positive(t);
   }
 
-  CrossingReport run() {
+  CrossingReport run(Optimize effort) {
     CrossingReport report;
     report.area_before = free_area();
+    threshold_ = effort == Optimize::best ? 0
+                                          : kWorthwhile * report.area_before * hull_area() /
+                                                static_cast<double>(mesh_.tets.size());
     std::vector<Index> current(mesh_.tets.size()), next;
     for (std::size_t t = 0; t < current.size(); ++t) current[t] = static_cast<Index>(t);
     queued_.assign(mesh_.tets.size(), false);
@@ -63,6 +71,7 @@ class Reducer {
       }
       current.swap(next);
       next.clear();
+      first_pass_ = false;
       for (const Index t : current) queued_[t] = false;
     }
     compact();
@@ -97,18 +106,27 @@ class Reducer {
 
   /// Area of all faces between two tetrahedra that no triangle constrains, over the box's own surface area.
   double free_area() const {
-    double inner = 0, hull = 0;
+    double inner = 0;
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       for (std::size_t k = 0; k < 4; ++k) {
         const Face f = face_of(mesh_.tets[t], k);
-        if (mesh_.neighbors[t][k] == kNone) {
-          hull += area(f[0], f[1], f[2]);
-        } else if (mesh_.face_triangle[t][k] == kNone) {
+        if (mesh_.neighbors[t][k] != kNone && mesh_.face_triangle[t][k] == kNone)
           inner += area(f[0], f[1], f[2]) / 2;  // met from both sides
-        }
       }
     }
-    return inner / hull;
+    return inner / hull_area();
+  }
+
+  double hull_area() const {
+    double hull = 0;
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (mesh_.neighbors[t][k] != kNone) continue;
+        const Face f = face_of(mesh_.tets[t], k);
+        hull += area(f[0], f[1], f[2]);
+      }
+    }
+    return hull;
   }
 
   std::size_t slot_of(Index t, Index vertex) const {
@@ -143,6 +161,7 @@ class Reducer {
       const std::size_t k = slot_of(tet, c);
       const Index next = mesh_.neighbors[tet][k];
       if (next == kNone || mesh_.face_triangle[tet][k] != kNone) return false;
+      if (first_pass_ && next < t) return false;  // looked at from there
       c = d;
       const auto& v = mesh_.tets[next];
       d = v[0] ^ v[1] ^ v[2] ^ v[3] ^ a ^ b ^ c;
@@ -172,6 +191,7 @@ class Reducer {
 
     double before = 0;
     for (const Index r : ring_) before += area(a, b, r);
+    if (before < threshold_) return false;
     if (!fill_ring(a, b, before * (1 - kLeastGain))) return false;
     new_tets_.clear();
     collect(a, b, 0, n - 1);
@@ -229,7 +249,7 @@ class Reducer {
     const double before = area(f[0], f[1], f[2]);
     double after = 0;
     for (std::size_t i = 0; i < 3; ++i) after += area(a, b, f[i]);
-    if (after >= before * (1 - kLeastGain)) return false;
+    if (before < threshold_ || after >= before * (1 - kLeastGain)) return false;
     new_tets_.clear();
     for (std::size_t i = 0; i < 3; ++i) {
       const Index p = f[i], q = f[(i + 1) % 3];
@@ -331,6 +351,8 @@ class Reducer {
   TetMesh& mesh_;
   Progress& progress_;
   std::vector<bool> queued_;
+  bool first_pass_ = true;
+  double threshold_ = 0;     ///< moves that touch less area are not considered
   std::vector<Index> free_;  ///< places of tetrahedra that are gone
   // What one move needs, kept to save allocations.
   std::vector<Index> ring_, ring_tets_, made_;
@@ -342,8 +364,9 @@ class Reducer {
 
 }  // namespace
 
-CrossingReport reduce_crossings(TetMesh& mesh, Progress& progress) {
-  return Reducer(mesh, progress).run();
+CrossingReport reduce_crossings(TetMesh& mesh, Optimize effort, Progress& progress) {
+  if (effort == Optimize::none) return {};
+  return Reducer(mesh, progress).run(effort);
 }
 
 }  // namespace tetprep

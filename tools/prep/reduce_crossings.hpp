@@ -5,6 +5,12 @@
 
 namespace tetprep {
 
+enum class Optimize {
+  none,
+  fast,  ///< only where much area is at stake
+  best,  ///< everywhere, until no move is left
+};
+
 struct CrossingReport {
   double area_before = 0, area_after = 0;  ///< of all unconstrained faces, in areas of the box
   Index flips = 0;
@@ -18,6 +24,6 @@ struct CrossingReport {
 ///
 /// Points, constrained faces and the hull stay as they are; every new tetrahedron is strictly positive by
 /// exact arithmetic. Deterministic. About O(tets).
-CrossingReport reduce_crossings(TetMesh& mesh, Progress& progress);
+CrossingReport reduce_crossings(TetMesh& mesh, Optimize effort, Progress& progress);
 
 }  // namespace tetprep

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "prep/pipeline.hpp"
 #include "tetfmt/version.hpp"
 
 namespace tetprep {
+namespace {
+
+constexpr std::array kOptimizeNames = {"none", "fast", "best"};
+
+}  // namespace
 
 std::string to_json(const ConvertOptions& options, const ConvertReport& report) {
   using Json = nlohmann::ordered_json;
@@ -16,6 +22,7 @@ std::string to_json(const ConvertOptions& options, const ConvertReport& report) 
   json["options"] = {{"layout", options.layout == tetfmt::Layout::tet20 ? "tet20" : "tet16"},
                      {"threads", options.threads},
                      {"radius_edge", options.radius_edge},
+                     {"optimize", kOptimizeNames[static_cast<std::size_t>(options.optimize)]},
                      {"time_limit_seconds", options.time_limit}};
   json["surface"] = {{"input_points", report.input_points},
                      {"input_triangles", report.input_triangles},
@@ -35,6 +42,11 @@ std::string to_json(const ConvertOptions& options, const ConvertReport& report) 
                     {"failed_attempts", failed},
                     {"steiner_points", tetgen.steiner_points},
                     {"moved_steiner_points", tetgen.moved_steiner_points}};
+  if (options.optimize != Optimize::none) {
+    json["crossings"] = {{"flips", report.crossings.flips},
+                         {"area_before", report.crossings.area_before},
+                         {"area_after", report.crossings.area_after}};
+  }
   const auto per = [&](std::size_t count) {
     return count == 0 ? 0.0 : static_cast<double>(report.output_bytes) / static_cast<double>(count);
   };

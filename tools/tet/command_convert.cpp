@@ -50,6 +50,9 @@ void print_summary(const Settings& settings, const ConvertReport& report) {
         report.max_deviation, report.merged_points);
   print("TetGen -%s, %u points of its own, %u of them moved", report.tetrahedralize.switches.c_str(),
         report.tetrahedralize.steiner_points, report.tetrahedralize.moved_steiner_points);
+  if (settings.options.optimize != Optimize::none)
+    print("%u flips: area between tets from %.2f to %.2f times the box's surface", report.crossings.flips,
+          report.crossings.area_before, report.crossings.area_after);
   for (const FailedAttempt& attempt : report.tetrahedralize.failed_attempts)
     std::cerr << "TetGen -" << attempt.switches << " failed: " << attempt.reason << '\n';
   for (const StageCost& stage : report.stages)
@@ -78,7 +81,7 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
   command
       ->add_option("--radius-edge", options.radius_edge,
                    "Bound on circumradius / shortest edge of tets: fewer tets along a ray, a few more points "
-                   "(default 20; 0 for none)")
+                   "(default 8; 0 for none)")
       ->check(CLI::Validator(
           [](const std::string& text) {
             double value = 0;
@@ -88,6 +91,15 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
           },
           "0 or >= 1"))
       ->type_name("R");
+  const std::map<std::string, Optimize> optimize{
+      {"none", Optimize::none}, {"fast", Optimize::fast}, {"best", Optimize::best}};
+  command
+      ->add_option(
+          "--optimize", options.optimize,
+          "Flip tets so that rays cross fewer of them: none, fast (default, where it pays most) or best "
+          "(everywhere)")
+      ->transform(CLI::CheckedTransformer(optimize))
+      ->type_name("HOW");
   command
       ->add_option("--time-limit", options.time_limit,
                    "Seconds that TetGen may take for one attempt (default: by size)")
