@@ -13,6 +13,13 @@ Cell source_cell(const FileView& view) {
   return {source.tet, source.vertices, source.neighbors};
 }
 
+Location inside(const Cell& cell) {
+  Location location;
+  location.state = Location::State::inside;
+  location.cell = cell;
+  return location;
+}
+
 /// The tetrahedron that a walk is leaving, in full.
 template <class Cells>
 Cell full_cell(const Cells& cells, const Leaving& leaving) {
@@ -37,15 +44,15 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
   line.toward = point;
   line.through_point = true;
   for (std::size_t i = 0; i < 3; ++i) line.direction[i] = point[i] - line.origin[i];
-  if (line.direction == Vec3d{}) return {Location::State::inside, from};
+  if (line.direction == Vec3d{}) return inside(from);
 
   const ExactSigns signs(line, view.bounds(), vertices);
-  const std::optional<Passage> exit = exit_of(view, signs, from);
+  const std::optional<Passage> exit = exit_of(view, signs, from, is_positive(view, from));
   if (!exit) return {};  // the centroid lies outside: not a mesh
   const auto before = [&](const std::array<Index, 3>& f) {
     return behind({vertices[f[0]], f[0]}, {vertices[f[1]], f[1]}, {vertices[f[2]], f[2]}, point);
   };
-  if (before(exit->ids)) return {Location::State::inside, from};
+  if (before(exit->ids)) return inside(from);
 
   const auto sides = view.sides();
   Location result;
@@ -64,7 +71,7 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
   const auto steps =
       walk<kChecked>(view, cells, signs, start.tet, start.previous, exit->ids, [&](const Leaving& leaving) {
         if (before(leaving.ids)) {
-          result = {Location::State::inside, full_cell(cells, leaving)};
+          result = inside(full_cell(cells, leaving));
           return Continue{};
         }
         return go_on(leaving.tet, leaving.ref);
@@ -72,14 +79,33 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
   return steps ? result : Location{};
 }
 
+template <class Cells>
+void find_entrances(const FileView& view, const Cells& cells, const Vec3d& point, Location& location) {
+  for (std::size_t i = 0; i < view.hull().size(); ++i) {
+    const std::optional<bool> inwards = seen_from(view, cells, view.hull()[i], point);
+    if (!inwards) continue;
+    if (location.entrance_count == location.entrances.size()) {
+      location.entrance_count = Location::kManyEntrances;
+      return;
+    }
+    location.entrances[location.entrance_count++] = pack_entrance({i, *inwards});
+  }
+}
+
 template <bool kChecked>
 Location locate_in(const FileView& view, Vec3f point, const Cell* from) {
-  if (!(std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z)))
-    return {Location::State::outside, {}};
+  Location location;
+  location.state = Location::State::outside;
+  if (!(std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z))) return location;
   const Cell start = from ? *from : source_cell(view);
   if (!in_range(view, start)) return {};
-  return with_cells(
-      view, [&](const auto& cells) { return walk_to<kChecked>(view, cells, start, to_vec3d(point)); });
+  with_cells(view, [&](const auto& cells) {
+    location = walk_to<kChecked>(view, cells, start, to_vec3d(point));
+    if (location.state == Location::State::inside && in_range(view, location.cell))
+      location.positive = is_positive(view, location.cell);
+    if (location.state == Location::State::outside) find_entrances(view, cells, to_vec3d(point), location);
+  });
+  return location;
 }
 
 }  // namespace

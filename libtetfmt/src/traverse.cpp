@@ -27,30 +27,37 @@ bool may_meet(const Bounds& bounds, const Line& line) {
   return first * (1 - 0x1p-50) <= last * (1 + 0x1p-50);  // three roundings each
 }
 
-/// The hull face by which the line comes in from outside and ahead of its origin.
+/// The hull face by which the line comes in from outside and ahead of its origin: of the faces that see the
+/// origin, the one that the line crosses inwards.
 template <class Cells>
 std::optional<Passage> enter_hull(const FileView& view, const Cells& cells, const ExactSigns& signs,
-                                  const Line& line) {
+                                  const Line& line, const Location& start) {
   if (!may_meet(view.bounds(), line)) return std::nullopt;
   const auto points = view.vertices();
-  for (const HullFace& face : view.hull()) {
+  const auto enter = [&](const HullFace& face, bool inwards) -> std::optional<Passage> {
     std::array<Index, 3> v = face.vertices;
-    if (face.tet >= view.tet_count()) continue;  // the view may be unchecked, and these are few
-    const Index apex = cells.vertex_xor(face.tet) ^ v[0] ^ v[1] ^ v[2];
-    if (std::max({apex, v[0], v[1], v[2]}) >= points.size()) continue;
-
-    const auto left = [&](Index a, Index b) {
-      return signs.left(signs.project(points[a]), a, signs.project(points[b]), b);
-    };
-    const bool ascending = left(v[0], v[1]);
-    if (left(v[1], v[2]) != ascending || left(v[2], v[0]) != ascending) continue;
-    if (!ascending) std::swap(v[1], v[2]);
-    // Counter-clockwise about the line, the face's normal points onwards. Where the line comes in, the origin
-    // is behind the face and the tetrahedron is not.
-    const auto is_behind = [&](const Vec3d& point) {
-      return behind({points[v[0]], v[0]}, {points[v[1]], v[1]}, {points[v[2]], v[2]}, point);
-    };
-    if (!is_behind(to_vec3d(points[apex])) && is_behind(line.origin)) return Passage{kNone, v, face.tet};
+    if (face.tet >= view.tet_count() || std::max({v[0], v[1], v[2]}) >= points.size()) return std::nullopt;
+    const std::array<Point2<double>, 3> p = {signs.project(points[v[0]]), signs.project(points[v[1]]),
+                                             signs.project(points[v[2]])};
+    // Counter-clockwise about the line, a face's normal points onwards.
+    if (signs.left(p[0], v[0], p[1], v[1]) != inwards) return std::nullopt;
+    if (signs.left(p[1], v[1], p[2], v[2]) != inwards) return std::nullopt;
+    if (signs.left(p[2], v[2], p[0], v[0]) != inwards) return std::nullopt;
+    if (!inwards) std::swap(v[1], v[2]);
+    return Passage{kNone, v, face.tet};
+  };
+  if (start.entrance_count <= start.entrances.size()) {
+    for (std::size_t i = 0; i < start.entrance_count; ++i) {
+      const Entrance entrance = unpack_entrance(start.entrances[i]);
+      if (entrance.face >= view.hull().size()) continue;
+      if (const auto passage = enter(view.hull()[entrance.face], entrance.inwards)) return passage;
+    }
+    return std::nullopt;
+  }
+  for (const HullFace& face : view.hull()) {
+    const std::optional<bool> inwards = seen_from(view, cells, face, line.origin);
+    if (!inwards) continue;
+    if (const auto passage = enter(face, *inwards)) return passage;
   }
   return std::nullopt;
 }
@@ -94,16 +101,10 @@ Hit trace(const FileView& view, const Cells& cells, const Ray& ray, const Line& 
   std::optional<Passage> passage;
   if (start.state == Location::State::inside) {
     if (!in_range(view, start.cell)) return corrupt_hit();
-    passage = exit_of(view, exact, start.cell);
-    if (!passage) {
-      // The cell touches the origin without holding it in the perturbed mesh: find the one that does.
-      const Location exactly = locate(view, ray.origin, &start.cell);
-      if (exactly.state != Location::State::inside) return {};
-      passage = exit_of(view, exact, exactly.cell);
-      if (!passage) return corrupt_hit();
-    }
+    passage = exit_of(view, exact, start.cell, start.positive);
+    if (!passage) return corrupt_hit();  // the cell does not hold the origin
   } else {
-    passage = enter_hull(view, cells, exact, line);
+    passage = enter_hull(view, cells, exact, line, start);
     if (!passage) return {};
   }
   std::uint32_t steps = passage->from == kNone ? 0 : 1;
@@ -117,7 +118,7 @@ Hit trace(const FileView& view, const Cells& cells, const Ray& ray, const Line& 
     ref = leaving.ref;
     return Continue{};
   };
-  const Signs signs(line, view.bounds(), view.vertices());
+  const Signs signs(exact);
   const auto walked = walk<kChecked>(view, cells, signs, passage->ref, passage->from, passage->ids, go_on);
   if (!walked) return corrupt_hit();
   return hit_on(view, ray, last, ref, steps + *walked);

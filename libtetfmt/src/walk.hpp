@@ -50,6 +50,18 @@ class Projection {
     slope_j_ = static_cast<Real>(d[j_] / d[k_]);
   }
 
+  /// The same projection in another precision.
+  template <class Other>
+  explicit Projection(const Projection<Other>& other)
+      : i_(other.i_),
+        j_(other.j_),
+        k_(other.k_),
+        origin_i_(static_cast<Real>(other.origin_i_)),
+        origin_j_(static_cast<Real>(other.origin_j_)),
+        origin_k_(static_cast<Real>(other.origin_k_)),
+        slope_i_(static_cast<Real>(other.slope_i_)),
+        slope_j_(static_cast<Real>(other.slope_j_)) {}
+
   Point2<Real> operator()(const Vec3f& point) const {
     const float* coordinate = &point.x;  // x, y, z are contiguous: Vec3f mirrors the file
     const Real depth = static_cast<Real>(coordinate[k_]) - origin_k_;
@@ -58,23 +70,10 @@ class Projection {
   }
 
  private:
+  template <class>
+  friend class Projection;
   std::size_t i_ = 0, j_ = 0, k_ = 0;
   Real origin_i_ = 0, origin_j_ = 0, origin_k_ = 0, slope_i_ = 0, slope_j_ = 0;
-};
-
-/// Signs as single precision gives them. A walk by these can go wrong where the line meets edges and
-/// vertices.
-class FloatSigns {
- public:
-  using Real = float;
-  FloatSigns(const Line& line, const Bounds&, std::span<const Vec3f>) : project_(line) {}
-  Point2<float> project(const Vec3f& point) const { return project_(point); }
-  bool left(const Point2<float>& a, Index, const Point2<float>& b, Index) const {
-    return a.x * b.y - a.y * b.x > 0;
-  }
-
- private:
-  Projection<float> project_;
 };
 
 /// Exact signs: double precision, certified by one constant a line, and predicates.hpp for the rest.
@@ -95,7 +94,10 @@ class ExactSigns {
       reach = std::max({reach, std::abs(lower[i] - line.origin[i]), std::abs(upper[i] - line.origin[i])});
     threshold_ = 128 * 0x1p-53 * reach * reach;
   }
+  explicit ExactSigns(const ExactSigns&) =
+      default;  // so that a kernel can be made from these signs, as others are
   Point2<double> project(const Vec3f& point) const { return project_(point); }
+  const Projection<double>& projection() const { return project_; }
   bool left(const Point2<double>& a, Index a_id, const Point2<double>& b, Index b_id) const {
     const double cross = a.x * b.y - a.y * b.x;
     if (cross > threshold_) return true;
@@ -112,6 +114,21 @@ class ExactSigns {
   const Line& line_;
   std::span<const Vec3f> vertices_;
   double threshold_ = 0;
+};
+
+/// Signs as single precision gives them. A walk by these can go wrong where the line meets edges and
+/// vertices.
+class FloatSigns {
+ public:
+  using Real = float;
+  explicit FloatSigns(const ExactSigns& exact) : project_(exact.projection()) {}
+  Point2<float> project(const Vec3f& point) const { return project_(point); }
+  bool left(const Point2<float>& a, Index, const Point2<float>& b, Index) const {
+    return a.x * b.y - a.y * b.x > 0;
+  }
+
+ private:
+  Projection<float> project_;
 };
 
 /// Where a walk is about to go: out of `from` (kNone: out of the void) through the face `ids`, which the line
@@ -220,8 +237,17 @@ inline constexpr std::array<std::uint8_t, 64> kExitRank = [] {
   return table;
 }();
 
+/// True if the cell's vertices, ascending, are positively oriented.
+inline bool is_positive(const FileView& view, const Cell& cell) {
+  const auto corner = [&](std::size_t k) {
+    return Corner{view.vertices()[cell.vertices[k]], cell.vertices[k]};
+  };
+  return !behind(corner(0), corner(1), corner(2), to_vec3d(corner(3).point));
+}
+
 /// The face by which the line leaves `cell`, if it passes through it (after perturbation).
-inline std::optional<Passage> exit_of(const FileView& view, const ExactSigns& signs, const Cell& cell) {
+inline std::optional<Passage> exit_of(const FileView& view, const ExactSigns& signs, const Cell& cell,
+                                      bool positive) {
   const auto& v = cell.vertices;
   const auto points = view.vertices();
   std::array<Point2<double>, 4> p;
@@ -231,13 +257,42 @@ inline std::optional<Passage> exit_of(const FileView& view, const ExactSigns& si
     for (unsigned b = a + 1; b < 4; ++b)
       bits |= static_cast<unsigned>(signs.left(p[a], v[a], p[b], v[b])) << edge_bit(a, b);
 
-  const bool negative =
-      behind({points[v[0]], v[0]}, {points[v[1]], v[1]}, {points[v[2]], v[2]}, to_vec3d(points[v[3]]));
-  const std::uint8_t k = kExitRank[negative ? bits ^ 63u : bits];
+  const std::uint8_t k = kExitRank[positive ? bits : bits ^ 63u];
   if (k == 4) return std::nullopt;
   auto f = kOutwardFaces[k];
-  if (negative) std::swap(f[1], f[2]);
+  if (!positive) std::swap(f[1], f[2]);
   return Passage{cell.tet, {v[f[0]], v[f[1]], v[f[2]]}, cell.neighbors[k]};
+}
+
+/// If the hull face has the mesh on one side and the point on the other: whether the normal of its vertices,
+/// ascending, points into the mesh. Nothing for every other face, and for one whose indices do not exist.
+template <class Cells>
+std::optional<bool> seen_from(const FileView& view, const Cells& cells, const HullFace& face,
+                              const Vec3d& point) {
+  const auto points = view.vertices();
+  const auto& v = face.vertices;
+  if (face.tet >= view.tet_count()) return std::nullopt;
+  const Index apex = cells.vertex_xor(face.tet) ^ v[0] ^ v[1] ^ v[2];
+  if (std::max({apex, v[0], v[1], v[2]}) >= points.size()) return std::nullopt;
+  const auto is_behind = [&](const Vec3d& p) {
+    return behind({points[v[0]], v[0]}, {points[v[1]], v[1]}, {points[v[2]], v[2]}, p);
+  };
+  const bool inwards = !is_behind(to_vec3d(points[apex]));
+  if (is_behind(point) != inwards) return std::nullopt;
+  return inwards;
+}
+
+/// What Location::entrances holds: a position in the hull list, and the answer of seen_from.
+struct Entrance {
+  std::size_t face;
+  bool inwards;
+};
+static_assert(2 * kMaxHullFaces <= 0xFFFF);
+constexpr std::uint16_t pack_entrance(Entrance entrance) {
+  return static_cast<std::uint16_t>(2 * entrance.face + (entrance.inwards ? 1 : 0));
+}
+constexpr Entrance unpack_entrance(std::uint16_t packed) {
+  return {packed / std::size_t{2}, packed % 2 == 1};
 }
 
 /// True if a cell that came from outside may be used with this view: its indices exist.

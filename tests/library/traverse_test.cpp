@@ -222,8 +222,7 @@ TEST(FirstHit, OpenSurfacesAreHitFromBothSides) {
   EXPECT_EQ(front.tet, back.neighbor);
 }
 
-TEST(FirstHit, AStartInATouchingCellIsAsGoodAsLocate) {
-  // Any tetrahedron whose closure holds the origin may be given, and the answer does not change.
+TEST(Locate, GivesOneCellFromEveryCellThatTouchesThePoint) {
   const Scene scene(3);
   const Vec3f corner = {1, 2, 1};  // a lattice vertex, on the inner box too
   std::vector<Cell> touching;
@@ -238,6 +237,26 @@ TEST(FirstHit, AStartInATouchingCellIsAsGoodAsLocate) {
     const Location again = locate(scene.view16, corner, &cell);
     ASSERT_EQ(again.cell, located.cell);
   }
+}
+
+TEST(FirstHit, ManyHullFacesAreSearchedAsFewAre) {
+  // A lattice has 12 n^2 hull faces, far more than a location keeps: rays from outside look at all of them.
+  const Scene many(6);
+  const Location start = locate(many.view20, {-3, 2.75f, 3.375f});
+  ASSERT_EQ(start.state, Location::State::outside);
+  ASSERT_EQ(start.entrance_count, Location::kManyEntrances);
+  EXPECT_EQ(first_hit(many.view20, {{-3, 2.75f, 3.375f}, {2, 0, 0}}, start).t, 2);
+  EXPECT_EQ(first_hit(many.view20, {{-3, 2.75f, 3.375f}, {-2, 0, 0}}, start).outcome, Outcome::miss);
+
+  tetfmt_test::LatticeOptions empty;
+  empty.walls = 0;
+  const Scene few(1, empty);
+  const Location corner = locate(few.view20, {-3, 0.75f, 0.375f});
+  ASSERT_EQ(corner.state, Location::State::outside);
+  ASSERT_EQ(corner.entrance_count, 2);
+  EXPECT_EQ(first_hit(few.view20, {{-3, 0.75f, 0.375f}, {2, 0, 0}}, corner).outcome, Outcome::miss);
+  EXPECT_GT(first_hit(few.view20, {{-3, 0.75f, 0.375f}, {2, 0, 0}}, corner).steps, 0u);
+  EXPECT_EQ(first_hit(few.view20, {{-3, 0.75f, 0.375f}, {-2, 0, 0}}, corner).steps, 0u);
 }
 
 TEST(Locate, FindsACellThatHoldsThePointFromAnywhere) {

@@ -60,13 +60,19 @@ Bounds surface_bounds(const tetfmt::FileView& view) {
   return bounds;
 }
 
+/// In square tiles, as renderers shoot them.
+constexpr int kTile = 16;
+
 std::vector<Ray> camera_rays(const Vec3f& eye, int size, double field_of_view) {
   std::vector<Ray> rays;
   const auto n = static_cast<float>(size);
   const auto half = static_cast<float>(std::tan(field_of_view * std::numbers::pi / 360));
   const auto across = [&](int pixel) { return half * (2 * (static_cast<float>(pixel) + 0.5f) / n - 1); };
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) rays.push_back({eye, {across(x), -across(y), -1}});
+  for (int top = 0; top < size; top += kTile)
+    for (int left = 0; left < size; left += kTile)
+      for (int y = top; y < std::min(top + kTile, size); ++y)
+        for (int x = left; x < std::min(left + kTile, size); ++x)
+          rays.push_back({eye, {across(x), -across(y), -1}});
   return rays;
 }
 

@@ -45,10 +45,18 @@ struct Hit {
   std::uint32_t steps = 0;  ///< tetrahedra visited
 };
 
-/// Where a point lies. Points on the boundary between tetrahedra are given to one of them.
+/// Where a point lies, and what every ray from there needs to know. Points on the boundary between tetrahedra
+/// are given to one of them. Made by `locate`.
 struct Location {
   enum class State : std::uint8_t { inside, outside, corrupt } state = State::corrupt;
-  Cell cell;  ///< the tetrahedron, if inside
+  Cell cell;  ///< inside: the tetrahedron
+  /// Inside: the cell's vertices, ascending, are positively oriented.
+  bool positive = false;
+  /// Outside: the hull faces that the point sees, by which alone a ray from there can enter, in the library's
+  /// own encoding. There may be more than fit: then the count is kManyEntrances, and every ray looks at all.
+  std::uint16_t entrance_count = 0;
+  std::array<std::uint16_t, 8> entrances{};
+  static constexpr std::uint16_t kManyEntrances = 0xFFFF;
 };
 
 /// Finds the tetrahedron that contains `point` (local coordinates) by a straight walk from `from`, or from
@@ -57,9 +65,9 @@ struct Location {
 Location locate(const FileView& view, Vec3f point, const Cell* from = nullptr);
 Location locate(const TrustedView& view, Vec3f point, const Cell* from = nullptr);
 
-/// The first constrained face along the ray, at t >= 0. `start` is the origin's location; a ray that starts
-/// outside enters through the hull. With a FileView every index that is followed is checked, so any bytes are
-/// safe; with a TrustedView none is. Ends within tet_count + 1 steps, whatever the bytes hold.
+/// The first constrained face along the ray, at t >= 0. `start` must be the origin's location; a ray that
+/// starts outside enters through the hull. With a FileView every index that is followed is checked, so any
+/// bytes are safe; with a TrustedView none is. Ends within tet_count + 1 steps, whatever the bytes hold.
 Hit first_hit(const FileView& view, const Ray& ray, const Location& start, Kernel kernel = Kernel::exact);
 Hit first_hit(const TrustedView& view, const Ray& ray, const Location& start, Kernel kernel = Kernel::exact);
 
