@@ -118,7 +118,7 @@ Hit trace(const FileView& view, const Cells& cells, const Ray& ray, const Line& 
     ref = leaving.ref;
     return Continue{};
   };
-  const Signs signs(exact);
+  const auto& signs = Signs::of(exact);
   const auto walked = walk<kChecked>(view, cells, signs, passage->ref, passage->from, passage->ids, go_on);
   if (!walked) return corrupt_hit();
   return hit_on(view, ray, last, ref, steps + *walked);

@@ -94,10 +94,9 @@ class ExactSigns {
       reach = std::max({reach, std::abs(lower[i] - line.origin[i]), std::abs(upper[i] - line.origin[i])});
     threshold_ = 128 * 0x1p-53 * reach * reach;
   }
-  explicit ExactSigns(const ExactSigns&) =
-      default;  // so that a kernel can be made from these signs, as others are
   Point2<double> project(const Vec3f& point) const { return project_(point); }
   const Projection<double>& projection() const { return project_; }
+  static const ExactSigns& of(const ExactSigns& signs) { return signs; }
   bool left(const Point2<double>& a, Index a_id, const Point2<double>& b, Index b_id) const {
     const double cross = a.x * b.y - a.y * b.x;
     if (cross > threshold_) return true;
@@ -121,13 +120,14 @@ class ExactSigns {
 class FloatSigns {
  public:
   using Real = float;
-  explicit FloatSigns(const ExactSigns& exact) : project_(exact.projection()) {}
+  static FloatSigns of(const ExactSigns& signs) { return FloatSigns(signs.projection()); }
   Point2<float> project(const Vec3f& point) const { return project_(point); }
   bool left(const Point2<float>& a, Index, const Point2<float>& b, Index) const {
     return a.x * b.y - a.y * b.x > 0;
   }
 
  private:
+  explicit FloatSigns(const Projection<double>& projection) : project_(projection) {}
   Projection<float> project_;
 };
 
