@@ -4,7 +4,8 @@ set(common -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_F
            -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/library ${common} -DBUILD_SHARED_LIBS=${SHARED}
-                        -DTETFMT_BUILD_TOOLS=OFF -DTETFMT_BUILD_TESTS=OFF -DCMAKE_INSTALL_PREFIX=${WORK}/prefix
+                        -DTETFMT_WERROR=${WERROR} -DTETFMT_BUILD_TOOLS=OFF -DTETFMT_BUILD_TESTS=OFF
+                        -DCMAKE_INSTALL_PREFIX=${WORK}/prefix
                 COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK}/library --target install COMMAND_ERROR_IS_FATAL ANY)
 

@@ -3,13 +3,13 @@
 execute_process(
   COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX}
           -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
-          -DTETFMT_BUILD_CONVERT=OFF -DTETFMT_BUILD_TESTS=OFF
+          -DTETFMT_WERROR=${WERROR} -DTETFMT_BUILD_CONVERT=OFF -DTETFMT_BUILD_TESTS=OFF
           -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON -DCMAKE_DISABLE_FIND_PACKAGE_draco=ON
           -DCMAKE_DISABLE_FIND_PACKAGE_tinyobjloader=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON
   COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK} COMMAND_ERROR_IS_FATAL ANY)
 
-set(heavy "(CGAL/|tetgen[.]h|draco/|tiny_obj_loader|OpenMesh/|libtet|libdraco|libtinyobj|libgmp|libmpfr)")
+set(heavy "(CGAL/|tetgen[.]h|draco/|tiny_obj_loader|OpenMesh/|libtet[.]so|libdraco|libtinyobj|libgmp|libmpfr)")
 if(GENERATOR STREQUAL "Ninja")
   execute_process(COMMAND ninja -C ${WORK} -t deps OUTPUT_VARIABLE used COMMAND_ERROR_IS_FATAL ANY)
   if(NOT used MATCHES "validate[.]hpp")
