@@ -40,34 +40,49 @@ std::array<double, 2> clip(const std::array<Vec, 3>& to_corner, const Vec& d, st
   return {first, std::max(first, last)};
 }
 
+/// For rays (nearly) in the triangle's plane: the quotient for t has lost its digits, the outline has not.
+[[gnu::noinline, gnu::cold]] TrianglePoint graze(const std::array<Vec, 3>& to_corner, const Vec& d,
+                                                 const Vec& n) {
+  std::size_t axis = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
+  const auto [first, last] = clip(to_corner, d, axis, n[axis] > 0 ? 1 : -1);
+  TrianglePoint point;
+  const double quotient = dot(n, to_corner[0]) / dot(n, d);
+  point.t = quotient >= first ? std::min(quotient, last) : first;  // NaN and too small alike: the entry
+
+  const Vec ab = to_corner[1] - to_corner[0], ac = to_corner[2] - to_corner[0];
+  const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+  const double x = point.t * d[i] - to_corner[0][i], y = point.t * d[j] - to_corner[0][j];
+  point.u = (x * ac[j] - y * ac[i]) / n[axis];
+  point.v = (ab[i] * y - ab[j] * x) / n[axis];
+  return point;
+}
+
 }  // namespace
 
 TrianglePoint intersect(const Vec3f& origin, const Vec3f& direction, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c) {
   const Vec o = vec(origin), d = vec(direction);
-  const std::array<Vec, 3> to_corner = {vec(a) - o, vec(b) - o, vec(c) - o};
+  const Vec to_a = vec(a) - o;
   const Vec ab = vec(b) - vec(a), ac = vec(c) - vec(a);
   const Vec n = cross(ab, ac);
-  std::size_t axis = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
-
-  TrianglePoint point;
   const double along = dot(n, d);
-  point.t = dot(n, to_corner[0]) / along;
-  // Below a few thousandths of a second of arc the quotient loses its digits; the triangle's outline does
-  // not.
-  // (Squares of float32 products neither overflow nor underflow in double precision.)
-  if (along * along <= 1e-16 * (dot(n, n) * dot(d, d))) {
-    const auto [first, last] = clip(to_corner, d, axis, n[axis] > 0 ? 1 : -1);
-    point.t = point.t >= first ? std::min(point.t, last) : first;  // NaN and too small alike: the entry
+  TrianglePoint point;
+  // An angle of less than a fifth of a second of arc. (Squares of products of float32 values neither overflow
+  // nor underflow in double precision.)
+  if (along * along <= 1e-12 * (dot(n, n) * dot(d, d))) {
+    point = graze({to_a, vec(b) - o, vec(c) - o}, d, n);
+  } else {
+    // Moeller and Trumbore (1997), arranged so that t comes from the normal, which is exact.
+    const Vec moment = cross(d, to_a);
+    point.t = dot(n, to_a) / along;
+    point.u = -dot(moment, ac) / along;
+    point.v = dot(moment, ab) / along;
   }
   point.t = std::max(point.t, 0.0);
-
-  const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
-  const double x = point.t * d[i] - to_corner[0][i], y = point.t * d[j] - to_corner[0][j];
-  point.u = std::clamp((x * ac[j] - y * ac[i]) / n[axis], 0.0, 1.0);
-  point.v = std::clamp((ab[i] * y - ab[j] * x) / n[axis], 0.0, 1.0 - point.u);
+  point.u = std::clamp(point.u, 0.0, 1.0);
+  point.v = std::clamp(point.v, 0.0, 1.0 - point.u);
   return point;
 }
 
