@@ -172,7 +172,7 @@ TEST_F(Convert, ReportIsJson) {
   EXPECT_EQ(json["surface"]["input_triangles"], 300);
   EXPECT_EQ(json["result"]["bytes"], read("a.tet").size());
   EXPECT_EQ(json["result"]["hull_faces"], 12);
-  EXPECT_EQ(json["tetgen"]["switches"], "pYQq8");
+  EXPECT_EQ(json["tetgen"]["switches"], "pYQq5");
   std::set<std::string> stages;
   for (const auto& stage : json["stages"]) {
     stages.insert(stage["name"]);

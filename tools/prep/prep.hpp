@@ -69,7 +69,7 @@ struct FailedAttempt {
 };
 
 struct TetrahedralizeOptions {
-  double radius_edge = 8;  ///< bound on circumradius / shortest edge; 0 for none
+  double radius_edge = 5;  ///< bound on circumradius / shortest edge; 0 for none
   double time_limit = 0;   ///< seconds an attempt may take; 0 chooses by the number of triangles
   unsigned threads = 1;    ///< for the search for intersections, which runs beside TetGen
 };

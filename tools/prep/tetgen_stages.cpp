@@ -3,11 +3,9 @@
 // driven stage by stage in the order of its own tetrahedralize(). That function owns its mesh on the stack,
 // and its error path frees the mesh before it throws, so leaving through it frees everything twice; here the
 // mesh is never destroyed, and the process ends instead.
-#define TETLIBRARY
 #include "prep/tetgen_stages.hpp"
 
 #include <sys/mman.h>
-#include <tetgen.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +13,8 @@
 #include <cstring>
 #include <exception>
 #include <new>
+
+#include "prep/tetgen_refine.hpp"
 
 namespace tetprep {
 namespace {
@@ -81,98 +81,6 @@ tetgenio* make_input(std::span<const GridPoint> points, std::span<const std::arr
   return in;
 }
 
-const REAL* corner(const tetgenmesh::triface& tet, int i) {
-  return reinterpret_cast<const REAL*>(tet.tet[4 + i]);
-}
-
-double squared_distance(const REAL* a, const REAL* b) {
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
-  return sum;
-}
-
-bool has_edge_of(const tetgenmesh::triface& tet, double squared_least) {
-  for (int i = 0; i < 4; ++i)
-    for (int j = i + 1; j < 4; ++j)
-      if (squared_distance(corner(tet, i), corner(tet, j)) >= squared_least) return true;
-  return false;
-}
-
-/// Whether a new point can stand at `centre`, the circumcentre of `tet`: the way there does not cross the
-/// boundary, and the tet there has no corner nearer than half the circumradius.
-bool has_room(tetgenmesh& mesh, tetgenmesh::triface tet, REAL* centre) {
-  const double squared_least = squared_distance(centre, corner(tet, 0)) / 4;
-  constexpr int kMostSteps = 1000;  // the walk might go in circles where the mesh is not Delaunay
-  for (int step = 0; step < kMostSteps; ++step) {
-    tetgenmesh::triface beyond;
-    for (tet.ver = 0; tet.ver < 4 && beyond.tet == nullptr; ++tet.ver) {
-      if (orient3d(mesh.org(tet), mesh.dest(tet), mesh.apex(tet), centre) <= 0) continue;
-      tetgenmesh::face facet;
-      mesh.tspivot(tet, facet);
-      if (facet.sh != nullptr) return false;
-      mesh.fsym(tet, beyond);
-      if (mesh.ishulltet(beyond)) return false;
-    }
-    if (beyond.tet == nullptr) {
-      for (int i = 0; i < 4; ++i)
-        if (squared_distance(centre, corner(tet, i)) < squared_least) return false;
-      return true;
-    }
-    tet = beyond;
-  }
-  return false;
-}
-
-/// delaunayrefinement() for a boundary that must not be split, made to end. The original tries a point for
-/// each badly shaped tet; most are slivers along the surface, where the boundary forbids one, and where it
-/// does not, ever smaller tets follow: bunny00 (75,000 triangles) took 40 s for 194 points, and fandisk_large
-/// did not end. But a point is worth having only where tets are large. So: only tets with an edge of a 128th
-/// of the scene, only where the point has room, and a bound on the number of trials that TetGen rejects or
-/// not (a count, because a clock would make the result depend on the machine). In TetGen's own order: largest
-/// first finds the slivers.
-void refine(tetgenmesh& mesh) {
-  const double least_edge =
-      std::max({mesh.xmax - mesh.xmin, mesh.ymax - mesh.ymin, mesh.zmax - mesh.zmin}) / 128;
-  const long most_trials = 500 + mesh.subfaces->items / 40;
-  constexpr int kOnlyTetrahedra = 4;
-
-  tetgenbehavior& options = *mesh.b;
-  mesh.encseglist = new tetgenmesh::arraypool(sizeof(tetgenmesh::face), 8);
-  mesh.encshlist = new tetgenmesh::arraypool(sizeof(tetgenmesh::badface), 8);
-  mesh.badtetrahedrons =
-      new tetgenmesh::memorypool(sizeof(tetgenmesh::triface), options.tetrahedraperblock, sizeof(void*), 0);
-  tetgenmesh::triface tet;
-  mesh.tetrahedrons->traversalinit();
-  while ((tet.tet = mesh.tetrahedrontraverse()) != nullptr) mesh.enqueuetetrahedron(&tet);
-
-  const auto try_to_split = [&](tetgenmesh::triface& bad) {
-    REAL centre[3];
-    int quality = 0;
-    if (!has_edge_of(bad, least_edge * least_edge) || mesh.checktet4split(&bad, quality, centre) == 0 ||
-        !has_room(mesh, bad, centre))
-      return false;
-    mesh.splittetrahedron(&bad, quality, centre, kOnlyTetrahedra);
-    return true;
-  };
-  long trials = 0;
-  while (mesh.badtetrahedrons->items > 0 && trials < most_trials) {
-    mesh.badtetrahedrons->traversalinit();
-    while (auto* queued = static_cast<tetgenmesh::triface*>(mesh.badtetrahedrons->traverse())) {
-      if (queued->ver < 0) continue;  // taken before
-      if (!mesh.isdeadtet(*queued) && mesh.marktest2ed(*queued)) {
-        mesh.unmarktest2(*queued);
-        if (trials < most_trials && try_to_split(*queued)) ++trials;
-      }
-      queued->ver = -1;
-      mesh.badtetrahedrons->dealloc(queued);
-    }
-  }
-  // Unmarks what was queued last: that is all it does while no points may be added.
-  mesh.steinerleft = 0;
-  mesh.repairbadtets(kOnlyTetrahedra);
-  mesh.steinerleft = options.steinerleft;
-}
-
 void run_stages(tetgenmesh& mesh, const Messenger& messenger) {
   tetgenbehavior& options = *mesh.b;
   clock_t unused = 0;
@@ -197,7 +105,7 @@ void run_stages(tetgenmesh& mesh, const Messenger& messenger) {
   mesh.recoverdelaunay();
   if (options.quality != 0) {
     messenger.stage("refinement");
-    refine(mesh);
+    refine_empty_space(mesh);
   }
   if (options.optlevel > 0) {
     messenger.stage("optimization");

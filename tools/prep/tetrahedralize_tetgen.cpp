@@ -19,8 +19,7 @@ namespace {
 /// TetGen's tets are all of this orientation.
 constexpr int kTetgenSign = 1;
 
-/// Switches, the most desirable first. -Y keeps the surface as it is. -q with a large bound puts few points
-/// into large empty spaces, which shortens rays' ways; small bounds make more tets than they save steps.
+/// Switches, the most desirable first. -Y keeps the surface as it is. -q here means tetgen_refine.hpp.
 std::vector<std::string> attempts(double radius_edge) {
   std::vector<std::string> list;
   const std::string quality = "q" + number(radius_edge);

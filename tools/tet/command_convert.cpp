@@ -81,13 +81,13 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
   command
       ->add_option("--radius-edge", options.radius_edge,
                    "Bound on circumradius / shortest edge of tets: fewer tets along a ray, a few more points "
-                   "(default 8; 0 for none)")
+                   "(default 5; 0 for none)")
       ->check(CLI::Validator(
           [](const std::string& text) {
             double value = 0;
-            return CLI::detail::lexical_cast(text, value) && (value == 0 || (value >= 1 && value <= 1e6))
+            return CLI::detail::lexical_cast(text, value) && (value == 0 || (value >= 1 && value <= 1000))
                        ? std::string()
-                       : "must be 0, or from 1 to 1000000, not " + text;
+                       : "must be 0, or from 1 to 1000, not " + text;
           },
           "0 or >= 1"))
       ->type_name("R");
