@@ -41,19 +41,18 @@ Face sorted(Face face) {
 
 class Reducer {
  public:
-  Reducer(TetMesh& mesh, Progress& progress) : mesh_(mesh), progress_(progress) {
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) make_positive(t);
-  }
+  Reducer(TetMesh& mesh, Progress& progress) : mesh_(mesh), progress_(progress) {}
 
   CrossingReport run(Optimize effort) {
     CrossingReport report;
-    report.area_before = free_area();
-    threshold_ = effort == Optimize::best ? 0
-                                          : kWorthwhile * report.area_before * hull_area() /
-                                                static_cast<double>(mesh_.tets.size());
+    const auto [hull_area, free_area] = measure();
+    threshold_ =
+        effort == Optimize::best ? 0 : kWorthwhile * free_area / static_cast<double>(mesh_.tets.size());
     std::vector<Index> current(mesh_.tets.size()), next;
     for (std::size_t t = 0; t < current.size(); ++t) current[t] = static_cast<Index>(t);
     queued_.assign(mesh_.tets.size(), false);
+    large_.resize(mesh_.tets.size());
+    for (std::size_t t = 0; t < large_.size(); ++t) large_[t] = is_large(static_cast<Index>(t));
     const std::size_t total = current.size();
     std::size_t done = 0;
     // Every tetrahedron once, then those that moves have made, until none of them allows another move.
@@ -75,7 +74,8 @@ class Reducer {
       for (const Index t : current) queued_[t] = false;
     }
     compact();
-    report.area_after = free_area();
+    report.area_before = free_area / hull_area;
+    report.area_after = (free_area - gained_) / hull_area;
     return report;
   }
 
@@ -104,29 +104,24 @@ class Reducer {
     return std::sqrt(x * x + y * y + z * z) / 2;
   }
 
-  /// Area of all faces between two tetrahedra that no triangle constrains, over the box's own surface area.
-  double free_area() const {
-    double inner = 0;
+  struct Areas {
+    double hull = 0;  ///< the box's surface
+    double free = 0;  ///< all faces between two tetrahedra that no triangle constrains
+  };
+  Areas measure() const {
+    Areas areas;
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       for (std::size_t k = 0; k < 4; ++k) {
+        if (mesh_.face_triangle[t][k] != kNone) continue;
         const Face f = face_of(mesh_.tets[t], k);
-        if (mesh_.neighbors[t][k] != kNone && mesh_.face_triangle[t][k] == kNone)
-          inner += area(f[0], f[1], f[2]) / 2;  // met from both sides
+        if (mesh_.neighbors[t][k] == kNone) {
+          areas.hull += area(f[0], f[1], f[2]);
+        } else if (mesh_.neighbors[t][k] > t) {  // once from its two sides
+          areas.free += area(f[0], f[1], f[2]);
+        }
       }
     }
-    return inner / hull_area();
-  }
-
-  double hull_area() const {
-    double hull = 0;
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (mesh_.neighbors[t][k] != kNone) continue;
-        const Face f = face_of(mesh_.tets[t], k);
-        hull += area(f[0], f[1], f[2]);
-      }
-    }
-    return hull;
+    return areas;
   }
 
   std::size_t slot_of(Index t, Index vertex) const {
@@ -134,9 +129,21 @@ class Reducer {
     return static_cast<std::size_t>(std::find(v.begin(), v.end(), vertex) - v.begin());
   }
 
+  /// False if no face of the tetrahedron is large enough for a ring around it to be worth a look: of up to
+  /// six faces that make up the threshold, one has a sixth of it.
+  bool is_large(Index t) const {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Face f = face_of(mesh_.tets[t], k);
+      if (area(f[0], f[1], f[2]) >= threshold_ / 6) return true;
+    }
+    return false;
+  }
+
   /// Makes the best move at an edge or face of `t` that gains anything; made_ then names the new tetrahedra.
   bool improve(Index t) {
     if (mesh_.tets[t][0] == kNone) return false;  // gone
+    if (first_pass_ ? !large_[t] : !is_large(t)) return false;
+    make_positive(t);
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = i + 1; j < 4; ++j)
         if (remove_edge(t, i, j)) return true;
@@ -161,7 +168,7 @@ class Reducer {
       const std::size_t k = slot_of(tet, c);
       const Index next = mesh_.neighbors[tet][k];
       if (next == kNone || mesh_.face_triangle[tet][k] != kNone) return false;
-      if (first_pass_ && next < t) return false;  // looked at from there
+      if (first_pass_ && next < t && large_[next]) return false;  // looked at from there
       c = d;
       const auto& v = mesh_.tets[next];
       d = v[0] ^ v[1] ^ v[2] ^ v[3] ^ a ^ b ^ c;
@@ -193,6 +200,7 @@ class Reducer {
     for (const Index r : ring_) before += area(a, b, r);
     if (before < threshold_) return false;
     if (!fill_ring(a, b, before * (1 - kLeastGain))) return false;
+    gained_ += before - cost_[0][n - 1];
     new_tets_.clear();
     collect(a, b, 0, n - 1);
     replace(ring_tets_);
@@ -256,6 +264,7 @@ class Reducer {
       if (!positive(p, q, b, a)) return false;
       new_tets_.push_back({p, q, b, a});
     }
+    gained_ += before - after;
     replace({t, other});
     return true;
   }
@@ -352,6 +361,8 @@ class Reducer {
   Progress& progress_;
   std::vector<bool> queued_;
   bool first_pass_ = true;
+  double gained_ = 0;        ///< area that the moves so far have saved
+  std::vector<bool> large_;  ///< is_large of every tetrahedron at the start
   double threshold_ = 0;     ///< moves that touch less area are not considered
   std::vector<Index> free_;  ///< places of tetrahedra that are gone
   // What one move needs, kept to save allocations.
