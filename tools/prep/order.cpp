@@ -86,16 +86,17 @@ void sort_tets(TetMesh& mesh) {
   });
   const auto permuted = [&](const std::vector<std::array<Index, 4>>& from) {
     std::vector<std::array<Index, 4>> to(from.size());
-    for (std::size_t i = 0; i < to.size(); ++i) to[i] = from[tet_order[i]];
+    tbb::parallel_for(std::size_t{0}, to.size(), [&](std::size_t i) { to[i] = from[tet_order[i]]; });
     return to;
   };
   mesh.tets = permuted(mesh.tets);
   mesh.face_triangle = permuted(mesh.face_triangle);
   mesh.neighbors = permuted(mesh.neighbors);
   const std::vector<Index> new_tet = inverse(tet_order);
-  for (auto& neighbors : mesh.neighbors)
-    for (Index& neighbor : neighbors)
+  tbb::parallel_for(std::size_t{0}, mesh.neighbors.size(), [&](std::size_t t) {
+    for (Index& neighbor : mesh.neighbors[t])
       if (neighbor != kNone) neighbor = new_tet[neighbor];
+  });
 }
 
 tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface) {
