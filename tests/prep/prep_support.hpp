@@ -49,6 +49,9 @@ TriangleSoup ball(int n);
 /// As an OBJ file, exact.
 std::string as_obj(const TriangleSoup& soup);
 
+/// Everything that tetrahedralize() promises, checked without its own checks.
+void expect_sound(const tetprep::CleanSurface& surface, const tetprep::TetMesh& mesh);
+
 /// tetrahedralize() with defaults.
 tetprep::TetMesh fill(const tetprep::CleanSurface& surface, tetprep::TetrahedralizeReport* report = nullptr);
 

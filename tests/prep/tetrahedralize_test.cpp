@@ -23,64 +23,6 @@ using tetprep::kNone;
 using tetprep::snap;
 using tetprep::TetMesh;
 
-/// Everything that tetrahedralize() promises, checked without its own checks.
-void expect_sound(const CleanSurface& surface, const TetMesh& mesh) {
-  ASSERT_GE(mesh.points.size(), surface.points.size() + 8);
-  EXPECT_TRUE(std::equal(surface.points.begin(), surface.points.end(), mesh.points.begin()));
-  EXPECT_EQ(std::set<GridPoint>(mesh.points.begin(), mesh.points.end()).size(), mesh.points.size());
-  std::vector<bool> used(mesh.points.size(), false);
-  std::map<std::array<Index, 3>, int> faces;
-  std::map<std::array<Index, 3>, int> constrained;
-  __extension__ using Wide = __int128;
-  Wide volume = 0;
-  std::size_t hull = 0;
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    const auto& tet = mesh.tets[t];
-    const auto& p = mesh.points;
-    EXPECT_NE(tetfmt::orientation(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]), 0);
-    std::array<std::array<Wide, 3>, 3> d{};
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t k = 0; k < 3; ++k) d[i][k] = p[tet[i + 1]][k] - p[tet[0]][k];
-    const Wide det = d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) -
-                     d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
-                     d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
-    volume += det < 0 ? -det : det;
-    for (std::size_t k = 0; k < 4; ++k) {
-      used[tet[k]] = true;
-      std::array<Index, 3> face{};
-      for (std::size_t i = 0, j = 0; i < 4; ++i)
-        if (i != k) face[j++] = tet[i];
-      std::sort(face.begin(), face.end());
-      ++faces[face];
-      const Index beyond = mesh.neighbors[t][k];
-      if (beyond == kNone) {
-        ++hull;
-        EXPECT_EQ(mesh.face_triangle[t][k], kNone);
-      } else {
-        const auto& back = mesh.neighbors[beyond];
-        EXPECT_EQ(std::count(back.begin(), back.end(), t), 1);
-        for (const Index v : face)
-          EXPECT_NE(std::find(mesh.tets[beyond].begin(), mesh.tets[beyond].end(), v),
-                    mesh.tets[beyond].end());
-      }
-      if (const Index triangle = mesh.face_triangle[t][k]; triangle != kNone) {
-        auto expected = surface.triangles[triangle];
-        std::sort(expected.begin(), expected.end());
-        EXPECT_EQ(face, expected);
-        ++constrained[face];
-      }
-    }
-  }
-  EXPECT_EQ(hull, 12u);
-  EXPECT_EQ(constrained.size(), surface.triangles.size());
-  for (const auto& [face, count] : constrained) EXPECT_EQ(count, 2);
-  EXPECT_TRUE(std::all_of(used.begin(), used.end(), [](bool u) { return u; }));
-  const auto box = tetprep::box_around(surface.points);
-  Wide expected = 6;
-  for (std::size_t k = 0; k < 3; ++k) expected *= box.high[k] - box.low[k];
-  EXPECT_TRUE(volume == expected) << "the tets do not fill the box exactly";
-}
-
 void expect_filled(const TriangleSoup& soup) {
   const CleanSurface surface = snap(soup);
   expect_sound(surface, fill(surface));

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+#include "prep/reduce_crossings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "prep/prep_support.hpp"
+
+namespace tetprep_test {
+namespace {
+
+using tetprep::CrossingReport;
+using tetprep::Optimize;
+using tetprep::reduce_crossings;
+using tetprep::snap;
+using tetprep::TetMesh;
+
+struct Case {
+  const char* name;
+  TriangleSoup soup;
+};
+
+std::vector<Case> cases() {
+  TriangleSoup sheet = {{{0, 0, 0}, {4, 0, 1}, {4, 3, 0}, {0, 3, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+  TriangleSoup fan = {{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}},
+                      {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}};
+  return {{"cube", cube({0, 0, 0}, 1)}, {"nested cubes", join(cube({0, 0, 0}, 4), cube({1, 1, 1}, 2))},
+          {"ball", ball(12)},           {"open sheet", sheet},
+          {"non-manifold fan", fan},    {"two balls", join(ball(8), moved(ball(7), {2.5, 0.25, 0}))}};
+}
+
+TEST(ReduceCrossings, KeepsTheMeshSoundAndTheSurfaceWhole) {
+  tetprep::Progress progress;
+  for (const Case& each : cases()) {
+    SCOPED_TRACE(each.name);
+    const auto surface = snap(each.soup);
+    const TetMesh before = fill(surface);
+    for (const Optimize effort : {Optimize::fast, Optimize::best}) {
+      TetMesh after = before;
+      const CrossingReport report = reduce_crossings(after, effort, progress);
+      expect_sound(surface, after);
+      EXPECT_EQ(after.points, before.points);
+      EXPECT_LE(report.area_after, report.area_before);
+      EXPECT_EQ(report.flips == 0, report.area_after == report.area_before);
+      // A second look starts from what the first one reached, and agrees with it about the area.
+      const CrossingReport again = reduce_crossings(after, effort, progress);
+      EXPECT_NEAR(again.area_before, report.area_after, 1e-9 * report.area_after);
+      EXPECT_LE(again.area_after, again.area_before);
+    }
+  }
+}
+
+TEST(ReduceCrossings, TakesAwayMuchOfTheAreaAroundABall) {
+  tetprep::Progress progress;
+  const auto surface = snap(ball(24));
+  tetprep::TetrahedralizeReport report;
+  const tetprep::TetMesh mesh = fill(surface, &report);
+  TetMesh fast = mesh, best = mesh;
+  const CrossingReport by_fast = reduce_crossings(fast, Optimize::fast, progress);
+  const CrossingReport by_best = reduce_crossings(best, Optimize::best, progress);
+  EXPECT_LT(by_fast.area_after, 0.97 * by_fast.area_before);
+  EXPECT_LT(by_best.area_after, 0.9 * by_best.area_before);
+  EXPECT_LT(by_fast.flips, by_best.flips);
+}
+
+TEST(ReduceCrossings, NoneChangesNothing) {
+  tetprep::Progress progress;
+  const TetMesh before = fill(snap(ball(6)));
+  TetMesh after = before;
+  const CrossingReport report = reduce_crossings(after, Optimize::none, progress);
+  EXPECT_EQ(report.flips, 0u);
+  EXPECT_EQ(after.tets, before.tets);
+  EXPECT_EQ(after.neighbors, before.neighbors);
+}
+
+TEST(SortTets, OnlyRenumbers) {
+  const auto surface = snap(ball(9));
+  TetMesh mesh = fill(surface);
+  auto tets = mesh.tets;
+  tetprep::sort_tets(mesh);
+  expect_sound(surface, mesh);
+  auto sorted = mesh.tets;
+  EXPECT_NE(sorted, tets);
+  std::sort(tets.begin(), tets.end());
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(sorted, tets);
+}
+
+}  // namespace
+}  // namespace tetprep_test
