@@ -145,8 +145,8 @@ TEST_P(Differential, FirstHitsOfBothLayoutsAreExact) {
   const ExactReference reference(view.vertices(), view.triangles());
   const std::array<FaceTets, 2> faces = {face_tets(view, 0), face_tets(view, 1)};
 
-  std::cout << source.name << " (" << source.about << "): " << view.triangles().size() << " triangles, "
-            << view.tet_count() << " tets\n";
+  std::cout << mesh.filename().string() << " (for: " << source.about << "): " << view.triangles().size()
+            << " triangles, " << view.tet_count() << " tets\n";
   std::size_t i = 0, wrong = 0, edge_hits = 0, vertex_hits = 0, total_hits = 0;
   for (const RayFamily& family : families) {
     std::size_t found = 0, on_edge = 0, on_vertex = 0, grazes = 0;
