@@ -162,7 +162,6 @@ class Geometry {
       }
       if (apart) continue;
       add(Code::overlap, t, [&] { return "tet " + str(t) + " covers the centroid of tet 0 too"; });
-      return;
     }
   }
 

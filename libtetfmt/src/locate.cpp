@@ -101,8 +101,7 @@ Location locate_in(const FileView& view, Vec3f point, const Cell* from) {
   if (!in_range(view, start)) return {};
   with_cells(view, [&](const auto& cells) {
     location = walk_to<kChecked>(view, cells, start, to_vec3d(point));
-    if (location.state == Location::State::inside && in_range(view, location.cell))
-      location.positive = is_positive(view, location.cell);
+    if (location.state == Location::State::inside) location.positive = is_positive(view, location.cell);
     if (location.state == Location::State::outside) find_entrances(view, cells, to_vec3d(point), location);
   });
   return location;

@@ -47,10 +47,10 @@ bool check_header(std::span<const std::byte> bytes, const Limits& limits, Report
   }
 
   bool sound = true;
-  const auto bad = [&](std::uint64_t where, const char* field, std::uint64_t value, const char* allowed) {
+  const auto bad = [&](std::uint64_t where, const char* field, std::int64_t value, const char* allowed) {
     sound = false;
     add_issue(report, Code::header_field, where,
-              [&] { return std::string(field) + " is " + str(value) + ", must be " + allowed; });
+              [&] { return std::string(field) + " is " + std::to_string(value) + ", must be " + allowed; });
   };
   if (header.header_bytes != 128) bad(12, "header_bytes", header.header_bytes, "128");
   if (header.toc_offset != 128) bad(24, "toc_offset", header.toc_offset, "128");
@@ -60,7 +60,7 @@ bool check_header(std::span<const std::byte> bytes, const Limits& limits, Report
   if (header.side_count % 2 != 0) bad(48, "side_count", header.side_count, "even");
   if (header.source_count == 0) bad(60, "source_count", 0, "at least 1");
   if (header.grid_exponent < -149 || header.grid_exponent > 103)
-    bad(88, "grid_exponent", static_cast<std::uint32_t>(header.grid_exponent), "from -149 to 103");
+    bad(88, "grid_exponent", header.grid_exponent, "from -149 to 103");
   if (header.minor <= kMinor) {  // a newer minor version may have given these a meaning
     if (header.flags != 0) bad(92, "flags", header.flags, "0");
     for (std::size_t i = 0; i < header.reserved.size(); ++i)
@@ -73,11 +73,10 @@ bool check_header(std::span<const std::byte> bytes, const Limits& limits, Report
     add_issue(report, Code::limit, where,
               [&] { return std::string(field) + " is " + str(value) + ", the limit is " + str(most); });
   };
-  constexpr std::uint64_t kMost = 0x7FFFFFFE;  // side indices above it would read as kHull
-  limit(40, "vertex_count", header.vertex_count, std::min(kMost, limits.max_vertices));
-  limit(44, "tet_count", header.tet_count, std::min(kMost, limits.max_tets));
-  limit(48, "side_count", header.side_count, kMost);
-  limit(52, "triangle_count", header.triangle_count, kMost);
+  limit(40, "vertex_count", header.vertex_count, std::min(kMaxCount, limits.max_vertices));
+  limit(44, "tet_count", header.tet_count, std::min(kMaxCount, limits.max_tets));
+  limit(48, "side_count", header.side_count, kMaxCount);
+  limit(52, "triangle_count", header.triangle_count, kMaxCount);
   limit(56, "hull_count", header.hull_count, kMaxHullFaces);
   limit(60, "source_count", header.source_count, header.tet_count);
 

@@ -101,13 +101,8 @@ class Walk {
         cross_side(t, face, k, side_index(ref));
       } else if (ref >= view_.tet_count()) {
         add(Code::reference_range, t, [&] { return "tet " + str(t) + " refers to " + ref_text(ref); });
-      } else if (ref == t) {
-        add(Code::self_neighbor, t, [&] { return "tet " + str(t) + " refers to itself"; });
       } else {
-        if (std::count(tet.neighbors.begin() + static_cast<std::ptrdiff_t>(k) + 1, tet.neighbors.end(), ref))
-          add(Code::duplicate_neighbor, t,
-              [&] { return "tet " + str(t) + " refers twice to " + ref_text(ref); });
-        enter(ref, face, t, {t, k});
+        enter_from({t, k}, ref, face, t);
       }
     }
   }
@@ -145,7 +140,7 @@ class Walk {
           [&] { return "side " + str(twin(side)) + " names tet " + str(beyond) + ", which does not exist"; });
       return;
     }
-    enter(beyond, face, side_ref(twin(side)), {t, k});
+    enter_from({t, k}, beyond, face, side_ref(twin(side)));
   }
 
   /// One end of a link between tetrahedra: `tet`, across the face opposite its vertex of this rank.
@@ -153,6 +148,29 @@ class Walk {
     Index tet;
     std::size_t rank;
   };
+
+  /// What lies across a face is another tetrahedron, and no other face leads there.
+  void enter_from(End origin, Index beyond, const std::array<Index, 3>& face, Ref previous) {
+    const Index t = origin.tet;
+    if (beyond == t) {
+      add(Code::self_neighbor, t, [&] { return "tet " + str(t) + " refers to itself"; });
+      return;
+    }
+    const auto& neighbors = topology_.tets[t].neighbors;
+    for (std::size_t k = origin.rank + 1; k < 4; ++k) {
+      if (tet_behind(neighbors[k]) != beyond) continue;
+      add(Code::duplicate_neighbor, t,
+          [&] { return "tet " + str(t) + " borders on tet " + str(beyond) + " across two faces"; });
+    }
+    enter(beyond, face, previous, origin);
+  }
+
+  /// The tetrahedron that a reference leads to, through a constrained face too; kNone if there is none.
+  Index tet_behind(Ref ref) const {
+    if (is_tet(ref)) return ref;
+    if (ref == kHull || side_index(ref) >= view_.sides().size()) return kNone;
+    return view_.sides()[twin(side_index(ref))].tet;
+  }
 
   /// Tetrahedron `t` is entered across `face`, behind which it must refer to `previous`, from `origin`.
   void enter(Index t, const std::array<Index, 3>& face, Ref previous, End origin) {

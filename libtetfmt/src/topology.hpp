@@ -25,7 +25,7 @@ struct Topology {
 
 /// Level::topology: recovers every tetrahedron from the source tets and checks each reference from both ends.
 /// Adds what is wrong to `report`; the result may be relied upon only if it stays valid.
-/// O(tets + sides + hull log hull) time, 32 bytes a tet plus 4 for the queue.
+/// O(tets + sides + hull log hull) time, 38 bytes a tet.
 Topology check_topology(const FileView& view, Report& report);
 
 }  // namespace tetfmt::detail

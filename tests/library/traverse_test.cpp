@@ -46,7 +46,10 @@ Hit hit_by_all(const Scene& scene, const Ray& ray) {
     EXPECT_EQ(hit.side, other.side);
     EXPECT_EQ(hit.tet, other.tet);
     EXPECT_EQ(hit.neighbor, other.neighbor);
+    EXPECT_EQ(hit.back, other.back);
     EXPECT_EQ(hit.t, other.t);
+    EXPECT_EQ(hit.u, other.u);
+    EXPECT_EQ(hit.v, other.v);
     EXPECT_EQ(hit.steps, other.steps);
   }
   return hit;

@@ -33,6 +33,9 @@ inline constexpr Index kMaxHullFaces = 4096;
 /// Vertex coordinates are k * 2^grid_exponent with |k| at most this: exact in float32.
 inline constexpr std::int64_t kMaxGridCoordinate = std::int64_t{1} << 24;
 
+/// No count of a file exceeds this: the largest side index would read as kHull.
+inline constexpr std::uint64_t kMaxCount = 0x7FFFFFFE;
+
 struct FileHeader {
   std::array<std::uint8_t, 8> magic = kMagic;
   std::uint16_t major = kMajor;

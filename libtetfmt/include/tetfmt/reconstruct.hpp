@@ -9,7 +9,9 @@
 namespace tetfmt {
 
 /// The mesh that a file holds. Safe on untrusted bytes: checks Level::topology on the way and returns the
-/// first problem. O(tets) time; memory is 32 bytes a tet plus the mesh's other arrays.
+/// first problem. O(tets) time; memory is 38 bytes a tet plus the mesh's other arrays.
+/// Holds what the required sections and META say: materials (MATL) and sections of later versions are not
+/// kept.
 Result<Mesh> reconstruct(const FileView& view);
 
 }  // namespace tetfmt

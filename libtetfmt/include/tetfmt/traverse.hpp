@@ -30,7 +30,8 @@ enum class Kernel : std::uint8_t {
 enum class Outcome : std::uint8_t {
   miss,     ///< the ray leaves the hull without meeting a constrained face
   hit,      ///<
-  corrupt,  ///< the bytes do not describe a mesh (or float signs went in circles): the walk was cut short
+  corrupt,  ///< `start` does not hold the origin, or the bytes do not describe a mesh (or float signs went in
+            ///< circles): the walk was cut short
 };
 
 struct Hit {

@@ -30,16 +30,17 @@ struct Report {
 };
 
 /// Examines `bytes` up to `level`. Works on any bytes, never throws for data, and allocates at most about
-/// 60 bytes a tet that the bytes really hold. A broken level ends the examination: what follows would stand
-/// on it. (A wrong hash does not: structure, checksum and topology problems are reported together.) Levels
-/// are exact: geometry is decided by integer arithmetic, no tolerance anywhere.
+/// 60 bytes a tet and 8 a triangle that the bytes really hold. A broken level ends the examination: what
+/// follows would stand on it. (A wrong hash does not: structure, checksum and topology problems are reported
+/// together.) Levels are exact: geometry is decided by integer arithmetic, no tolerance anywhere.
 Report validate(std::span<const std::byte> bytes, Level level = Level::geometry, const Limits& limits = {});
 
 /// A view of a file that passed Level::topology or deeper: unchecked traversal is safe on it.
 /// The bytes must outlive it and must not change.
 class TrustedView {
  public:
-  /// Validates at `level` (topology or geometry) and returns the first problem, if any.
+  /// `bytes` must be aligned to 8 bytes, as for FileView::open. Validates at `level` (topology or geometry)
+  /// and returns the first problem, if any.
   static Result<TrustedView> validated(std::span<const std::byte> bytes, Level level = Level::geometry,
                                        const Limits& limits = {});
   const FileView& view() const { return view_; }

@@ -13,8 +13,8 @@ namespace tetfmt {
 
 /// What a reader is willing to accept, on top of the format's own bounds.
 struct Limits {
-  std::uint64_t max_tets = 0x7FFFFFFF;
-  std::uint64_t max_vertices = 0x7FFFFFFF;
+  std::uint64_t max_tets = kMaxCount;
+  std::uint64_t max_vertices = kMaxCount;
 };
 
 /// A file whose structure was found sound: every span lies inside the bytes. Nothing else is known: indices
