@@ -76,6 +76,37 @@ TEST_F(Read, BadObj) {
   refuse("a.obj", "", {"empty"});
 }
 
+TEST_F(Read, ByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::vector<std::pair<std::string, std::string>> files{
+      {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+      {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+      {"a.ply",
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+       "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+       "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+      {"a.stl",
+       "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+       "endfacet\nendsolid s\n"}};
+  for (const auto& [name, text] : files) {
+    const auto soup = read_soup(write(name, mark + text));
+    EXPECT_EQ(soup.points, kCorners) << name;
+    EXPECT_EQ(soup.triangles, (Triangles{{0, 1, 2}})) << name;
+  }
+  refuse("a.obj", std::string("\xFF\xFEv\0 \0", 6), {"UTF-16", "save it as UTF-8"});
+  refuse("a.obj", std::string("\xFE\xFF\0v\0 ", 6), {"UTF-16"});
+}
+
+TEST_F(Read, AsciiPlyNamesBadCoordinates) {
+  const auto text = [](const std::string& third) {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n" +
+           third + "\n3 0 1 2\n";
+  };
+  refuse("a.ply", text("0 nan 0"), {":12:", "vertex 2", "\"nan\""});
+  refuse("a.ply", text("0 1 -inf"), {":12:", "vertex 2", "\"-inf\""});
+}
+
 TEST_F(Read, UnusedPointsMayBeAnything) {
   EXPECT_EQ(read_soup(write("a.obj", "v nan inf 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n")).triangles.size(),
             1u);

@@ -6,12 +6,15 @@
 #include <CGAL/IO/STL.h>
 #include <CGAL/Simple_cartesian.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <new>
 #include <optional>
+#include <sstream>
 
 #include "common/parse.hpp"
 #include "prep/read_soup.hpp"
@@ -41,6 +44,12 @@ PolygonSoup convert(const CgalSoup& in) {
 /// Generous for what a file of this many bytes can hold: a face of 8 bytes costs about 60 in a CgalSoup.
 std::uint64_t ceiling_for(const SourceFile& file) {
   return (std::uint64_t{256} << 20) + 64 * file.text.size();
+}
+
+/// What CGAL reads from: the file, or a copy of its text where a byte order mark must go.
+std::unique_ptr<std::istream> open_stream(const SourceFile& file) {
+  if (file.marked) return std::make_unique<std::istringstream>(std::string(file.text));
+  return std::make_unique<std::ifstream>(file.path, std::ios::binary);
 }
 
 /// Non-blank lines without comments, numbered from 1.
@@ -176,6 +185,38 @@ bool is_binary_stl(const SourceFile& file) {
          file.text.size() == kStlHeader + kStlTriangle * std::uint64_t{count};
 }
 
+/// Throws the first vertex of an ascii PLY file with a coordinate that is none. Returns if it finds nothing
+/// to blame, or if the file is not laid out in the usual way: vertices first, each on a line of its own.
+void explain_ascii_ply(const SourceFile& file) {
+  Lines lines(file.text);
+  std::vector<std::string_view> words;
+  std::uint64_t vertices = 0;
+  std::size_t elements = 0, properties = 0;
+  std::array<std::optional<std::size_t>, 3> place;  // of x, y and z among a vertex's values
+  while (lines.next(words) && words[0] != "end_header") {
+    if (words[0] == "format" && words.size() > 1 && words[1] != "ascii") return;
+    if (words[0] == "element" && words.size() > 2 && ++elements == 1) {
+      if (words[1] != "vertex" && words[1] != "vertices") return;
+      vertices = integer<std::uint64_t>(words[2]).value_or(0);
+    } else if (words[0] == "property" && words.size() > 2 && elements == 1) {
+      if (words[1] == "list") return;
+      if (words[2].size() == 1 && words[2][0] >= 'x' && words[2][0] <= 'z')
+        place[static_cast<std::size_t>(words[2][0] - 'x')] = properties;
+      ++properties;
+    }
+  }
+  for (std::uint64_t i = 0; i < vertices && lines.next(words); ++i) {
+    if (words.size() != properties) return;
+    for (const auto& position : place) {
+      if (!position) return;
+      const auto value = parse_double(words[*position]);
+      if (!value || !std::isfinite(*value))
+        file.fail(lines.number(), "vertex " + std::to_string(i) + " (counted from 0): " +
+                                      quoted(words[*position]) + " is not a finite coordinate");
+    }
+  }
+}
+
 }  // namespace
 
 PolygonSoup read_off(const SourceFile& file) {
@@ -183,7 +224,8 @@ PolygonSoup read_off(const SourceFile& file) {
   bool read = false;
   try {
     const MemoryCeiling ceiling(ceiling_for(file));
-    std::ifstream stream(file.path, std::ios::binary);
+    const auto opened = open_stream(file);
+    std::istream& stream = *opened;
     read = CGAL::IO::read_OFF(stream, soup.points, soup.polygons, CGAL::parameters::verbose(false));
   } catch (const std::exception&) {
   }
@@ -197,14 +239,17 @@ PolygonSoup read_ply(const SourceFile& file) {
   bool read = false;
   {
     const MemoryCeiling ceiling(ceiling_for(file));
-    std::ifstream stream(file.path, std::ios::binary);
+    const auto opened = open_stream(file);
+    std::istream& stream = *opened;
     read = CGAL::IO::read_PLY(stream, soup.points, soup.polygons, CGAL::parameters::verbose(false));
   }
   // The reader's "yes" is not to be relied on: it does not look at how its faces went.
-  if (!read || soup.points.size() != promised.vertices || soup.polygons.size() != promised.faces)
+  if (!read || soup.points.size() != promised.vertices || soup.polygons.size() != promised.faces) {
+    explain_ascii_ply(file);
     file.fail(0, "could be read only up to vertex " + std::to_string(soup.points.size()) + " of " +
                      std::to_string(promised.vertices) + " and face " + std::to_string(soup.polygons.size()) +
                      " of " + std::to_string(promised.faces) + ": cut short, damaged, or no triangle mesh");
+  }
   return convert(soup);
 }
 
@@ -224,7 +269,8 @@ PolygonSoup read_stl(const SourceFile& file) {
   bool read = false;
   {
     const MemoryCeiling ceiling(ceiling_for(file));
-    std::ifstream stream(file.path, std::ios::binary);
+    const auto opened = open_stream(file);
+    std::istream& stream = *opened;
     read = CGAL::IO::read_STL(stream, soup.points, soup.polygons, CGAL::parameters::verbose(false));
   }
   if (!read) file.fail(0, "not an STL file that CGAL can read");

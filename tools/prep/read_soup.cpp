@@ -63,15 +63,29 @@ Reader reader_for(const std::string& path) {
                                            " (known: .obj, .off, .ply, .stl, .drc)");
 }
 
+/// Editors put a byte order mark before text; to a reader it would be part of the first word. The mark is
+/// taken for one only before text: a Draco file's or a binary STL file's first bytes may be anything.
+void strip_mark(SourceFile& file, Reader reader) {
+  if (reader == read_drc) return;
+  const bool stl = reader == read_stl;
+  if (!stl && (file.text.starts_with("\xFF\xFE") || file.text.starts_with("\xFE\xFF")))
+    file.fail(0, "is text in UTF-16: save it as UTF-8");
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (!file.text.starts_with(kMark) || (stl && !file.text.substr(kMark.size()).starts_with("solid"))) return;
+  file.text.remove_prefix(kMark.size());
+  file.marked = true;
+}
+
 }  // namespace
 
 TriangleSoup read_soup(const std::string& path) {
   const auto opened = tetfmt::MappedFile::open(path);
   if (!opened) throw Failure(ExitCode::io, opened.error().text);
   const std::span<const std::byte> bytes = opened->bytes();
-  const SourceFile file{path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
+  SourceFile file{path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
   const Reader read = reader_for(path);
   if (bytes.empty()) file.fail(0, "the file is empty");
+  strip_mark(file, read);
   try {
     return triangulate(file, read(file));
   } catch (const Failure&) {

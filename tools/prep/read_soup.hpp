@@ -19,10 +19,11 @@ struct PolygonSoup {
   std::vector<std::size_t> point_lines;  ///< the same for points
 };
 
-/// A file in memory. `text` is `path`'s whole contents.
+/// A file in memory. `text` is `path`'s whole contents, less a byte order mark at the start.
 struct SourceFile {
   const std::string& path;
   std::string_view text;
+  bool marked = false;  ///< there was a byte order mark
 
   /// Throws Failure (invalid) "path:line: message" (without the line if it is 0).
   [[noreturn]] void fail(std::size_t line, const std::string& message) const;
