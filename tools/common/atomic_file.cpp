@@ -86,7 +86,8 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)), resolve
     resolved_ = followed.string();
   }
   struct stat status {};
-  if (stat(resolved_.c_str(), &status) == 0) {
+  const bool exists = stat(resolved_.c_str(), &status) == 0;
+  if (exists) {
     if (S_ISDIR(status.st_mode)) fail("write", EISDIR);
     if (access(resolved_.c_str(), W_OK) != 0) fail("write", errno);
     if (!S_ISREG(status.st_mode)) {
@@ -110,6 +111,8 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)), resolve
     release(slot_);
     fail("create a file there", reason);
   }
+  // A file that is replaced keeps who may do what with it. A file system without permissions may refuse.
+  if (exists && fchmod(descriptor_, status.st_mode & 0777) != 0) errno = 0;
 }
 
 AtomicFile::~AtomicFile() {

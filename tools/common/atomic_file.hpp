@@ -13,7 +13,8 @@ namespace tetprep {
 /// before that (an exception, SIGINT, SIGTERM, SIGHUP) removes the temporary and leaves an old target
 /// untouched. A crash of the whole machine may still lose the new contents: nothing is synced.
 ///
-/// A target that is a symbolic link is followed. One that exists and is neither a file nor a directory
+/// A target that is a symbolic link is followed, and one that exists keeps its permission bits. One that
+/// exists and is neither a file nor a directory
 /// (/dev/null, /dev/full, a named pipe) cannot be replaced by a rename, so it is written to directly.
 /// All members throw Failure (io) with path, reason and advice. Movable would mean a registered temporary
 /// with two names, so it is not.
