@@ -206,6 +206,80 @@ TEST_F(Convert, FailuresLeaveNothing) {
   EXPECT_EQ(read("old.tet"), "what was there before");
 }
 
+TEST_F(Convert, ReplacedOutputKeepsItsPermissions) {
+  namespace fs = std::filesystem;
+  const std::string old = write("x.tet", "old");
+  const auto mode = fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_write;
+  fs::permissions(old, mode);
+  run(write("in.obj", as_obj(cube({0, 0, 0}, 1))), "x.tet");
+  EXPECT_EQ(fs::status(old).permissions(), mode);
+  EXPECT_NE(read("x.tet"), "old");
+}
+
+TEST_F(Convert, NoFileServesTwice) {
+  const std::string input = write("in.obj", as_obj(cube({0, 0, 0}, 1)));
+  const std::string before = read("in.obj");
+  std::filesystem::create_hard_link(input, path("link.obj"));
+  const auto refused = [&](const std::string& output, const std::string& report) {
+    const auto failure = failure_of([&] { run(input, output, Layout::tet20, 1, report); });
+    EXPECT_EQ(failure.code(), ExitCode::usage) << failure.what();
+    EXPECT_EQ(listing(), (std::vector<std::string>{"in.obj", "link.obj"}));
+    EXPECT_EQ(read("in.obj"), before);
+  };
+  refused("x.tet", "in.obj");
+  refused("x.tet", "link.obj");
+  refused("x.tet", "x.tet");
+  refused("x.tet", "./x.tet");
+  refused("./in.obj", "");
+}
+
+TEST_F(Convert, FailedReportLeavesNoOutput) {
+  ConvertOptions options;
+  options.input = write("in.obj", as_obj(cube({0, 0, 0}, 1)));
+  options.output = path("x.tet");
+  options.report = "/dev/full";
+  tetprep::Progress progress;
+  EXPECT_EQ(failure_of([&] { convert(options, progress); }).code(), ExitCode::io);
+  EXPECT_EQ(listing(), (std::vector<std::string>{"in.obj"}));
+  options.output = options.report = "/dev/null";
+  EXPECT_NO_THROW(convert(options, progress));
+}
+
+TEST_F(Convert, ReportListsIntersections) {
+  const std::string input = write("in.obj", as_obj(join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8))));
+  const auto failure = failure_of([&] { run(input, "x.tet", Layout::tet20, 2, "report.json"); });
+  EXPECT_EQ(failure.code(), ExitCode::invalid);
+  EXPECT_LT(std::string(failure.what()).size(), 600u);
+  EXPECT_EQ(listing(), (std::vector<std::string>{"in.obj", "report.json"}));
+  const auto json = nlohmann::json::parse(read("report.json"));
+  EXPECT_EQ(json["error"], failure.what());
+  EXPECT_EQ(json["intersections"].size(), json["intersection_count"]);
+  EXPECT_GT(json["intersections"].size(), 5u);
+  for (const auto& pair : json["intersections"]) {
+    EXPECT_LT(pair[0], 12);
+    EXPECT_GE(pair[1], 12);
+    EXPECT_LT(pair[1], 24);
+  }
+}
+
+TEST(FallbackNote, NamesFailuresAndWhatWasUsed) {
+  tetprep::TetrahedralizeReport report;
+  report.switches = "pYQ";
+  EXPECT_EQ(tetprep::fallback_note(report), "");
+  report.failed_attempts.push_back({"pYQq5", "ran out of time"});
+  EXPECT_TRUE(mentions(tetprep::fallback_note(report), {"-pYQq5", "ran out of time", "used -pYQ instead"}));
+}
+
+TEST_F(Convert, TrianglesSmallerThanTheGrid) {
+  std::string text;
+  for (const char* x : {"0", "1000000"})
+    text += std::string("v ") + x + " 0 0\nv " + x + " 0.001 0\nv " + x + " 0 0.001\nf -3 -2 -1\n";
+  const std::string input = write("in.obj", text);
+  const auto failure = failure_of([&] { run(input, "x.tet"); });
+  EXPECT_EQ(failure.code(), ExitCode::invalid);
+  EXPECT_TRUE(mentions(failure.what(), {"none of the 2 triangles", "smaller than the grid step 0.5"}));
+}
+
 TEST_F(Convert, FullDisk) {
   ConvertOptions options;
   options.input = write("in.obj", as_obj(cube({0, 0, 0}, 1)));

@@ -86,15 +86,14 @@ TEST(Tetrahedralize, IntersectionsAreNamed) {
   const CleanSurface surface = snap(join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8)));
   const auto failure = failure_of([&] { fill(surface); });
   EXPECT_EQ(failure.code(), ExitCode::invalid);
-  EXPECT_TRUE(mentions(failure.what(), {"intersects itself", "pairs", "triangle ", "(4 4 4)", "(8 "}));
+  EXPECT_TRUE(mentions(failure.what(), {"intersects itself", "pairs", " and ", "(4 4 4)"}));
 }
 
 TEST(Tetrahedralize, InputNumbersAreNamed) {
   TriangleSoup soup = join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8));
   soup.triangles.insert(soup.triangles.begin(), 100, {0, 0, 1});  // dropped, but they count
   const auto failure = failure_of([&] { fill(snap(soup)); });
-  for (int i = 0; i < 100; ++i)
-    EXPECT_FALSE(mentions(failure.what(), {"triangle " + std::to_string(i) + " "}));
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(mentions(failure.what(), {" " + std::to_string(i) + " ("}));
 }
 
 TEST(Tetrahedralize, TimeIsLimited) {

@@ -17,10 +17,31 @@
 namespace tetprep {
 namespace {
 
-void refuse_same_file(const std::string& a, const std::string& b) {
+/// Whether both paths lead to one file, be it there already or not. A device may be named twice.
+bool same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
   std::error_code error;
-  if (std::filesystem::equivalent(a, b, error) && !error)
-    throw Failure(ExitCode::usage, b + ": is the input itself; name another output");
+  if (fs::is_other(fs::status(b, error))) return false;
+  if (fs::equivalent(a, b, error) && !error) return true;
+  const auto absolute = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path), error);
+  };
+  const fs::path first = absolute(a);
+  if (error) return false;
+  const fs::path second = absolute(b);
+  return !error && first == second;
+}
+
+void refuse_same_files(const ConvertOptions& options) {
+  if (same_file(options.input, options.output))
+    throw Failure(ExitCode::usage, options.output + ": is the input itself; name another output");
+  if (options.report.empty()) return;
+  if (same_file(options.input, options.report))
+    throw Failure(ExitCode::usage,
+                  options.report + ": is the input itself; name another file for the report");
+  if (same_file(options.output, options.report))
+    throw Failure(ExitCode::usage,
+                  options.report + ": is the output itself; name another file for the report");
 }
 
 std::size_t points_used(const TriangleSoup& soup) {
@@ -101,17 +122,35 @@ ConvertReport convert(const ConvertOptions& options, Progress& progress) {
   ConvertReport report;
 
   // Before the long work: an output that cannot be written should not be its last discovery.
-  refuse_same_file(options.input, options.output);
+  refuse_same_files(options);
   AtomicFile output(options.output);
   std::optional<AtomicFile> report_file;
   if (!options.report.empty()) report_file.emplace(options.report);
+
+  const auto write_report = [&](const std::string& error) {
+    if (!report_file) return;
+    report_file->write(to_json(options, report, error));
+    report_file->commit();
+  };
 
   const CleanSurface surface = read_and_snap(options, log, report);
   std::vector<std::byte> bytes;
   {
     tetfmt::Mesh mesh;
     {
-      TetMesh tets = tetrahedralize_input(options, threads, surface, progress, log, report);
+      TetMesh tets;
+      try {
+        tets = tetrahedralize_input(options, threads, surface, progress, log, report);
+      } catch (const Failure& failure) {
+        if (report.tetrahedralize.intersection_count > 0) {
+          fill_in(surface, mesh, report);
+          try {
+            write_report(failure.what());
+          } catch (const Failure&) {  // the surface is what the user has to hear about
+          }
+        }
+        throw;
+      }
       log.begin("sort");
       sort_tets(tets);
       if (options.optimize != Optimize::none) {
@@ -129,7 +168,6 @@ ConvertReport convert(const ConvertOptions& options, Progress& progress) {
   prove(bytes);
   log.begin("write");
   output.write(bytes);
-  output.commit();
   log.end();
 
   report.hull_faces = reinterpret_cast<const tetfmt::FileHeader*>(bytes.data())->hull_count;
@@ -137,10 +175,9 @@ ConvertReport convert(const ConvertOptions& options, Progress& progress) {
   report.stages = log.costs();
   report.peak_memory_mb = total_peak(report.stages);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  if (report_file) {
-    report_file->write(to_json(options, report));
-    report_file->commit();
-  }
+  // The report first: if it cannot be written, the output must not stay either.
+  write_report({});
+  output.commit();
   return report;
 }
 

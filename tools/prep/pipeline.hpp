@@ -39,10 +39,16 @@ struct ConvertReport {
 };
 
 /// The whole conversion. The output appears under its name only when it is complete and has passed validation
-/// at Level::geometry; after a Failure (any exit code) nothing of it is left.
+/// at Level::geometry; after a Failure (any exit code) nothing of it is left. A surface that intersects
+/// itself still gets its report, which then has "error" and "intersections". Failure (usage): two of input,
+/// output and report are one file.
 ConvertReport convert(const ConvertOptions& options, Progress& progress);
 
-/// The report file's text: one JSON object.
-std::string to_json(const ConvertOptions& options, const ConvertReport& report);
+/// The report file's text: one JSON object. `error`: what the conversion ended with, empty for success.
+std::string to_json(const ConvertOptions& options, const ConvertReport& report,
+                    const std::string& error = {});
+
+/// One line on the attempts that failed before one succeeded; empty if the first one did.
+std::string fallback_note(const TetrahedralizeReport& report);
 
 }  // namespace tetprep

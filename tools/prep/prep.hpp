@@ -78,6 +78,8 @@ struct TetrahedralizeOptions {
 struct TetrahedralizeReport {
   std::string switches;  ///< TetGen's, of the attempt that succeeded
   std::vector<FailedAttempt> failed_attempts;
+  std::size_t intersection_count = 0;  ///< pairs of triangles, if tetrahedralize() failed because of them
+  std::vector<std::array<Index, 2>> intersections;  ///< the first 10,000 of them, numbers of the input
   Index steiner_points = 0;
   Index moved_steiner_points =
       0;                      ///< those that could not stay at the grid point nearest to TetGen's position
@@ -94,8 +96,9 @@ TriangleSoup read_soup(const std::string& path);
 CleanSurface snap(const TriangleSoup& soup);
 
 /// Encloses the surface in a box and fills it with tetrahedra, among whose faces is every triangle as it is.
-/// Failure: invalid (triangles intersect: the first few are named), runtime (TetGen died or ran out of time).
-/// The result is checked: exact orientation of every tet, every triangle there, the hull is the box.
+/// Failure: invalid (triangles intersect: the first few are named, `report` lists them), runtime (TetGen died
+/// or ran out of time). The result is checked: exact orientation of every tet, every triangle there, the hull
+/// is the box.
 TetMesh tetrahedralize(const CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
                        StageLog& log, TetrahedralizeReport& report);
 

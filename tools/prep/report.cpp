@@ -12,11 +12,20 @@ constexpr std::array kOptimizeNames = {"none", "fast", "best"};
 
 }  // namespace
 
-std::string to_json(const ConvertOptions& options, const ConvertReport& report) {
+std::string fallback_note(const TetrahedralizeReport& report) {
+  if (report.failed_attempts.empty()) return {};
+  std::string text;
+  for (const FailedAttempt& attempt : report.failed_attempts)
+    text += (text.empty() ? "TetGen -" : "; -") + attempt.switches + " failed (" + attempt.reason + ")";
+  return text + "; used -" + report.switches + " instead, so the tets differ from what was asked for";
+}
+
+std::string to_json(const ConvertOptions& options, const ConvertReport& report, const std::string& error) {
   using Json = nlohmann::ordered_json;
   Json json;
   json["program"] = "tet convert";
   json["version"] = TETFMT_VERSION;
+  if (!error.empty()) json["error"] = error;
   json["input"] = options.input;
   json["output"] = options.output;
   json["options"] = {{"layout", options.layout == tetfmt::Layout::tet20 ? "tet20" : "tet16"},
@@ -42,6 +51,10 @@ std::string to_json(const ConvertOptions& options, const ConvertReport& report) 
                     {"failed_attempts", failed},
                     {"steiner_points", tetgen.steiner_points},
                     {"moved_steiner_points", tetgen.moved_steiner_points}};
+  if (tetgen.intersection_count > 0) {
+    json["intersection_count"] = tetgen.intersection_count;
+    json["intersections"] = tetgen.intersections;
+  }
   if (options.optimize != Optimize::none) {
     json["crossings"] = {{"flips", report.crossings.flips},
                          {"area_before", report.crossings.area_before},

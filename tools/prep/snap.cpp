@@ -165,6 +165,29 @@ void keep_sound_triangles(const TriangleSoup& soup, const std::vector<Index>& fi
   surface.points = std::move(points);
 }
 
+/// Whether a triangle has an area beyond what rounding makes of corners on a line.
+bool has_area(const Point& a, const Point& b, const Point& c) {
+  const auto length = [](const Point& v) { return std::hypot(v[0], v[1], v[2]); };
+  const Point u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  const double longest = std::max(length(u), length(v));
+  if (longest == 0) return false;
+  const Point s{u[0] / longest, u[1] / longest, u[2] / longest};
+  const Point t{v[0] / longest, v[1] / longest, v[2] / longest};
+  return length({s[1] * t[2] - s[2] * t[1], s[2] * t[0] - s[0] * t[2], s[0] * t[1] - s[1] * t[0]}) > 1e-12;
+}
+
+[[noreturn]] void fail_without_area(const TriangleSoup& soup, int grid_exponent) {
+  const std::string count = std::to_string(soup.triangles.size());
+  const bool lost_on_grid = std::any_of(soup.triangles.begin(), soup.triangles.end(), [&](const auto& t) {
+    return has_area(soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]);
+  });
+  if (!lost_on_grid) throw Failure(ExitCode::invalid, "none of the " + count + " triangles has an area");
+  throw Failure(ExitCode::invalid, "none of the " + count +
+                                       " triangles keeps an area: smaller than the grid step " +
+                                       number(std::ldexp(1.0, grid_exponent)) +
+                                       " (extent / 2^21); split the scene or scale its parts");
+}
+
 }  // namespace
 
 CleanSurface snap(const TriangleSoup& soup) {
@@ -184,9 +207,7 @@ CleanSurface snap(const TriangleSoup& soup) {
   surface.origin = choose_origin(extent, std::ldexp(1.0, surface.grid_exponent));
   const std::vector<Index> first = place_points(soup, used, surface);
   keep_sound_triangles(soup, first, surface);
-  if (surface.triangles.empty())
-    throw Failure(ExitCode::invalid,
-                  "none of the " + std::to_string(soup.triangles.size()) + " triangles has an area");
+  if (surface.triangles.empty()) fail_without_area(soup, surface.grid_exponent);
   return surface;
 }
 
