@@ -5,6 +5,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <type_traits>
 
 #include "common/terminal_progress.hpp"
 #include "prep/pipeline.hpp"
@@ -45,6 +46,7 @@ void print_summary(const Settings& settings, const ConvertReport& report) {
   if (report.degenerate_triangles + report.duplicate_triangles > 0)
     print("left out: %zu triangles without an area, %zu that repeat another", report.degenerate_triangles,
           report.duplicate_triangles);
+  if (const std::string note = fallback_note(report.tetrahedralize); !note.empty()) std::cerr << note << '\n';
   if (!settings.verbose) return;
   print("grid 2^%d, points moved by at most %g, %zu equal points merged", report.grid_exponent,
         report.max_deviation, report.merged_points);
@@ -53,11 +55,24 @@ void print_summary(const Settings& settings, const ConvertReport& report) {
   if (settings.options.optimize != Optimize::none)
     print("%u flips: area between tets from %.2f to %.2f times the box's surface", report.crossings.flips,
           report.crossings.area_before, report.crossings.area_after);
-  for (const FailedAttempt& attempt : report.tetrahedralize.failed_attempts)
-    std::cerr << "TetGen -" << attempt.switches << " failed: " << attempt.reason << '\n';
   for (const StageCost& stage : report.stages)
     print("%8.3f s %8.1f MB  %s", stage.seconds, stage.peak_memory_mb, stage.name.c_str());
   print("%8.3f s %8.1f MB  in all", report.seconds, report.peak_memory_mb);
+}
+
+/// Turns a name into its value's number, as CLI11 wants it; others are refused with the names that there are.
+template <class Enum>
+CLI::Validator one_of(const std::map<std::string, Enum>& names) {
+  const auto change = [names](std::string& text) {
+    if (const auto found = names.find(text); found != names.end()) {
+      text = std::to_string(static_cast<std::underlying_type_t<Enum>>(found->second));
+      return std::string();
+    }
+    std::string known;
+    for (const auto& [name, value] : names) known += (known.empty() ? "" : " or ") + name;
+    return "must be " + known + ", not " + text;
+  };
+  return CLI::Validator(change, "");
 }
 
 }  // namespace
@@ -71,7 +86,7 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
   const std::map<std::string, tetfmt::Layout> layouts{{"tet20", tetfmt::Layout::tet20},
                                                       {"tet16", tetfmt::Layout::tet16}};
   command->add_option("--layout", options.layout, "Bytes a cell: tet20 (default) or tet16")
-      ->transform(CLI::CheckedTransformer(layouts))
+      ->transform(one_of(layouts))
       ->type_name("LAYOUT");
   command->add_option("--threads", options.threads, "Threads to use (default: all)")
       ->check(CLI::Range(1u, 1024u))
@@ -81,7 +96,7 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
   command
       ->add_option("--radius-edge", options.radius_edge,
                    "Bound on circumradius / shortest edge of tets: fewer tets along a ray, a few more points "
-                   "(default 5; 0 for none)")
+                   "(from 1 to 1000, default 5; 0 for none)")
       ->check(CLI::Validator(
           [](const std::string& text) {
             double value = 0;
@@ -89,7 +104,7 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
                        ? std::string()
                        : "must be 0, or from 1 to 1000, not " + text;
           },
-          "0 or >= 1"))
+          "0 or 1 to 1000"))
       ->type_name("R");
   const std::map<std::string, Optimize> optimize{
       {"none", Optimize::none}, {"fast", Optimize::fast}, {"best", Optimize::best}};
@@ -98,12 +113,19 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
           "--optimize", options.optimize,
           "Flip tets so that rays cross fewer of them: none, fast (default, where it pays most) or best "
           "(everywhere)")
-      ->transform(CLI::CheckedTransformer(optimize))
+      ->transform(one_of(optimize))
       ->type_name("HOW");
   command
       ->add_option("--time-limit", options.time_limit,
                    "Seconds that TetGen may take for one attempt (default: by size)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double value = 0;
+            return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0
+                       ? std::string()
+                       : "must be a positive number of seconds, not " + text;
+          },
+          "> 0"))
       ->type_name("SECONDS");
   CLI::Option* quiet = command->add_flag("-q,--quiet", settings->quiet, "Print nothing but errors");
   command->add_flag("-v,--verbose", settings->verbose, "Print every stage")->excludes(quiet);
