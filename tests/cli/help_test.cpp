@@ -149,9 +149,9 @@ TEST_F(CliTest, BrokenInputIsInvalidDataForEveryReader) {
                               {path.starts_with("line") ? "line\\x0abreak" : path}));
     }
     const RunResult validated = tet({"validate", path});
-    EXPECT_EQ(validated.exit_code, 3) << path;
+    EXPECT_EQ(validated.exit_code, code) << path;
     EXPECT_NE(validated.out, "");
-    EXPECT_TRUE(is_one_line(validated.err, "tet validate", {"invalid"}));
+    EXPECT_TRUE(is_one_line(validated.err, "tet validate", {code == 5 ? "unsupported" : "invalid"}));
   }
   EXPECT_FALSE(std::filesystem::exists("x.png"));
   EXPECT_FALSE(std::filesystem::exists("x.csv"));
@@ -236,6 +236,32 @@ TEST_F(CliTest, BuildWithoutConverterSaysSo) {
   EXPECT_TRUE(is_one_line(result.err, "tet convert", {"this build has no converter"}));
 }
 #endif
+
+TEST_F(CliTest, WrongWordsAreToldPlainly) {
+  const RunResult verb = tet({"foo", "a.tet"});
+  EXPECT_EQ(verb.exit_code, 1);
+  EXPECT_TRUE(is_one_line(verb.err, "tet", {"unknown verb 'foo'"}));
+  const RunResult choice = tet({"query", "a.tet", "--rays", "-", "--hits", "-", "--kernel", "fast"});
+  EXPECT_EQ(choice.exit_code, 1);
+  EXPECT_TRUE(is_one_line(choice.err, "tet query", {"--kernel", "must be exact or float, not fast"}));
+  const RunResult more = tet({"trace", "a.tet", "-o", "a.png", "--shade", "red"});
+  EXPECT_TRUE(is_one_line(more.err, "tet trace", {"must be lambert, normal, depth or steps, not red"}));
+}
+
+TEST_F(CliTest, UnreadableFilesAreNamedOnce) {
+  std::filesystem::create_directory("folder.tet");
+  for (const std::string name : {"missing.tet", "folder.tet"}) {
+    for (const std::vector<std::string>& line : {std::vector<std::string>{"info", name},
+                                                 {"validate", name},
+                                                 {"query", name, "--rays", "r.csv", "--hits", "-"}}) {
+      const RunResult result = tet(line);
+      EXPECT_EQ(result.exit_code, 2);
+      const auto first = result.err.find(name);
+      ASSERT_NE(first, std::string::npos);
+      EXPECT_EQ(result.err.find(name, first + 1), std::string::npos) << result.err;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace tetfmt_test

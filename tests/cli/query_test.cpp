@@ -236,7 +236,15 @@ TEST_F(CliTest, QueryDirectionlessRaysHitNothing) {
   const RunResult result =
       tet({"query", "box.tet", "--rays", "-", "--hits", "-"}, "13,23,33,0,0,0\n13.2,23.1,10,0,0,2\n");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_TRUE(is_one_line(result.err, "tet query", {"warning", "1 rays", "direction zero"}));
+  EXPECT_TRUE(
+      is_one_line(result.err, "tet query",
+                  {"warning", "1 ray of standard input has direction zero", "hits nothing, first ray 0"}));
+  const RunResult two = tet({"query", "box.tet", "--rays", "-", "--hits", "-"},
+                            "13,23,33,1,0,0\n1,1,1,0,-0,1e-60\n1,1,1,0,0,0\n");
+  EXPECT_EQ(two.exit_code, 0);
+  EXPECT_TRUE(
+      is_one_line(two.err, "tet query", {"2 rays", "have direction zero", "hit nothing, first ray 1"}));
+  EXPECT_EQ(tet({"query", "box.tet", "--rays", "-", "--hits", "-"}, "13,23,33,1e-40,0,0\n").err, "");
   EXPECT_NE(result.out.find("\n-1,inf,0,0,-1,-1,-1\n"), std::string::npos);
   EXPECT_NE(result.out.find(",11,"), std::string::npos)
       << result.out;  // t is in units of the direction's length 2
@@ -282,6 +290,49 @@ TEST_F(CliTest, QueryIsTheSameForAnyNumberOfThreads) {
   }
 }
 
+/// Rays from anywhere to vertices of the lattice, whose float signs contradict each other around them.
+std::vector<Row> rays_to_vertices(std::size_t count) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> place(-3, 9);
+  std::uniform_int_distribution<int> vertex(0, 6);
+  std::vector<Row> rays(count);
+  for (Row& ray : rays) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float from = place(random);
+      ray[i] = static_cast<double>(from);
+      ray[i + 3] = static_cast<double>(static_cast<float>(vertex(random)) - from);
+    }
+  }
+  return rays;
+}
+
+TEST_F(CliTest, QueryTellsRaysThatTheFloatKernelLoses) {
+  write_mesh("box.tet", box_mesh());
+  const auto rays = rays_to_vertices(200000);
+  write_bytes("rays.npy", npy_bytes<float>(rays));
+  const auto query = [&](const std::string& kernel) {
+    return tet({"query", "box.tet", "--rays", "rays.npy", "--hits", "hits.npy", "--space", "local",
+                "--kernel", kernel});
+  };
+  const RunResult exact = query("exact");
+  EXPECT_EQ(exact.exit_code, 0);
+  EXPECT_EQ(exact.err, "");
+  const RunResult lossy = query("float");
+  EXPECT_EQ(lossy.exit_code, 0);
+  ASSERT_TRUE(is_one_line(lossy.err, "tet query",
+                          {"warning: float kernel lost ", "rays.npy, first ray ", "; use --kernel exact"}));
+  const auto number_after = [&](const std::string& words) {
+    return std::stoul(lossy.err.substr(lossy.err.find(words) + words.size()));
+  };
+  EXPECT_GE(number_after("lost "), 1u);
+  const auto hits = read_hits("hits.npy");
+  ASSERT_EQ(hits.size(), rays.size());
+  const std::size_t first = number_after("first ray ");
+  ASSERT_LT(first, hits.size());
+  EXPECT_EQ(hits[first].triangle, -1);
+  EXPECT_EQ(hits[first].t, INFINITY);
+}
+
 TEST_F(CliTest, QueryOnBytesThatAreNoMeshIsInvalidData) {
   auto mesh = box_mesh();
   auto bytes = tetfmt::encode(mesh, tetfmt::Layout::tet20);
@@ -299,7 +350,30 @@ TEST_F(CliTest, QueryOnBytesThatAreNoMeshIsInvalidData) {
   const RunResult result = tet({"query", "broken.tet", "--rays", "rays.csv", "--hits", "hits.csv"});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_TRUE(is_one_line(result.err, "tet query", {"broken.tet", "rays.csv:3", "tet validate"}));
+  EXPECT_EQ(tet({"query", "broken.tet", "--rays", "rays.csv", "--hits", "hits.csv", "--kernel", "float"}).err,
+            result.err);
   EXPECT_EQ(listing(), (std::vector<std::string>{"broken.tet", "rays.csv"}));
+}
+
+TEST_F(CliTest, QueryNeverWritesOverItsInput) {
+  write_mesh("box.tet", box_mesh());
+  write_mesh("mesh.npy", box_mesh());
+  write_bytes("rays.npy", npy_bytes<float>(random_rays(3)));
+  std::filesystem::create_symlink("rays.npy", "link.npy");
+  const std::string rays = read_bytes("rays.npy"), mesh = read_bytes("mesh.npy");
+  const auto before = listing();
+  for (const std::array<std::string, 3>& names :
+       {std::array<std::string, 3>{"mesh.npy", "rays.npy", "mesh.npy"},
+        {"box.tet", "rays.npy", "rays.npy"},
+        {"box.tet", "rays.npy", "./rays.npy"},
+        {"box.tet", "rays.npy", "link.npy"}}) {
+    const RunResult result = tet({"query", names[0], "--rays", names[1], "--hits", names[2]});
+    EXPECT_EQ(result.exit_code, 1) << names[2];
+    EXPECT_TRUE(is_one_line(result.err, "tet query", {names[2], "the input itself"}));
+  }
+  EXPECT_EQ(read_bytes("rays.npy"), rays);
+  EXPECT_EQ(read_bytes("mesh.npy"), mesh);
+  EXPECT_EQ(listing(), before);
 }
 
 TEST_F(CliTest, QueryReplacesAnOldFileOnlyOnSuccess) {

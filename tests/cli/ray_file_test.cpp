@@ -31,6 +31,13 @@ TEST_F(RayFileTest, MalformedCsvIsRefusedByLineAndColumn) {
   const std::vector<Malformed> files = {
       {"1,2,3,4,5\n", {"rays.csv:1", "found 5 columns", "expected 6"}},
       {"1,2,3,4,5,6,7\n", {"rays.csv:1", "found 7 columns"}},
+      {"0 0 10 0 0 -1\n", {"rays.csv:1", "found 1 column"}},
+      {"0;0;10;0;0;-1\n1,2,3,4,5,6\n", {"rays.csv:1", "found 1 column"}},
+      {"ox oy oz dx dy dz\n1,2,3,4,5,6\n", {"rays.csv:1", "found 1 column"}},
+      {"x,y,z\n1,2,3,4,5,6\n", {"rays.csv:1", "found 3 columns"}},
+      {"ox,oy,oz,dx,dy,1\n1,2,3,4,5,6\n", {"rays.csv:1", "column 1 (ox)", "'ox'"}},
+      {"ox,oy,oz,dx,dy,-.5m\n1,2,3,4,5,6\n", {"rays.csv:1", "column 1 (ox)", "'ox'"}},
+      {"nan,nan,nan,nan,nan,nan\n", {"rays.csv:1", "column 1 (ox)", "'nan'"}},
       {"1 2 3 4 5 6\n", {"rays.csv:2", "found 1 column"}},
       {"# comment\n\nox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n1,2,three,4,5,6\n",
        {"rays.csv:5", "column 3 (oz)", "'three'"}},

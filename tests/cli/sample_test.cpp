@@ -197,5 +197,14 @@ TEST_F(CliTest, SampleFormatsHoldTheSameSurface) {
   }
 }
 
+TEST_F(CliTest, SampleRefusesSeedsOutOfRange) {
+  for (const std::string seed : {"-1", "18446744073709551616", "1.5", "x", "0x10"}) {
+    const RunResult result = tet({"sample", "knots", "-o", "a.obj", "--seed", seed});
+    EXPECT_EQ(result.exit_code, 1) << seed;
+    EXPECT_TRUE(is_one_line(result.err, "tet sample", {"--seed", seed}));
+  }
+  EXPECT_EQ(tet({"sample", "sphere", "-o", "a.obj", "--seed", "18446744073709551615"}).exit_code, 0);
+}
+
 }  // namespace
 }  // namespace tetfmt_test

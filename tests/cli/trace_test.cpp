@@ -263,5 +263,43 @@ TEST_F(CliTest, TraceRemovesItsTemporaryWhenInterrupted) {
   }
 }
 
+TEST_F(CliTest, TraceNeverWritesOverItsInput) {
+  write_mesh("box.tet", box_mesh());
+  const std::string bytes = read_bytes("box.tet");
+  for (const std::string output : {"box.tet", "./box.tet"}) {
+    const RunResult result = tet({"trace", "box.tet", "-o", output});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_TRUE(is_one_line(result.err, "tet trace", {output, "the input itself"}));
+  }
+  EXPECT_EQ(read_bytes("box.tet"), bytes);
+  EXPECT_EQ(listing(), std::vector<std::string>{"box.tet"});
+}
+
+TEST_F(CliTest, TraceRefusesAbsurdCameras) {
+  write_mesh("box.tet", box_mesh());
+  for (const auto& [option, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--azimuth", "nan"},
+                                                        {"--azimuth", "361"},
+                                                        {"--elevation", "nan"},
+                                                        {"--elevation", "90"},
+                                                        {"--fov", "nan"},
+                                                        {"--fov", "0"},
+                                                        {"--eye", "nan,0,0"},
+                                                        {"--eye", "1e31,0,0"},
+                                                        {"--look-at", "0,-1e300,0"},
+                                                        {"--up", "0,inf,0"},
+                                                        {"--up", "0,0,1e31"}}) {
+    const RunResult result = tet({"trace", "box.tet", "-o", "out.png", option, value});
+    EXPECT_EQ(result.exit_code, 1) << option << ' ' << value;
+    EXPECT_TRUE(is_one_line(result.err, "tet trace", {option, value}));
+  }
+  for (const std::string option : {"--azimuth", "--elevation"}) {
+    const RunResult result = tet({"trace", "box.tet", "-o", "out.png", option, "10", "--eye", "1,2,3"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_TRUE(is_one_line(result.err, "tet trace", {option, "--eye"}));
+  }
+  EXPECT_EQ(listing(), std::vector<std::string>{"box.tet"});
+}
+
 }  // namespace
 }  // namespace tetfmt_test

@@ -220,5 +220,21 @@ TEST(SchemaChecker, SeesDifferences) {
           .empty());
 }
 
+TEST_F(CliTest, ValidateTellsUnsupportedFromInvalid) {
+  std::string bytes = read_bytes(write_mesh("whole.tet", box_mesh()));
+  reinterpret_cast<tetfmt::FileHeader*>(bytes.data())->major = 99;
+  write_bytes("future.tet", bytes);
+  write_bytes("empty.tet", "");
+  const RunResult result = tet({"validate", "whole.tet", "future.tet"});
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_NE(result.out.find("future.tet: 2003 unsupported_major"), std::string::npos) << result.out;
+  EXPECT_TRUE(is_one_line(result.err, "tet validate", {"future.tet", "unsupported", "newer"}));
+  EXPECT_EQ(tet({"validate", "empty.tet", "future.tet"}).exit_code, 3);
+  EXPECT_EQ(tet({"info", "future.tet"}).exit_code, 5);
+  const RunResult json = tet({"validate", "--format", "json", "future.tet"});
+  EXPECT_EQ(json.exit_code, 5);
+  EXPECT_EQ(checked_report(json.out)["verdict"], "invalid");
+}
+
 }  // namespace
 }  // namespace tetfmt_test

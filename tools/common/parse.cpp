@@ -37,6 +37,10 @@ std::optional<double> parse_double(std::string_view text) {
   return parse_all<double>(text);
 }
 
+std::optional<std::uint64_t> parse_whole(std::string_view text) {
+  return parse_all<std::uint64_t>(text);
+}
+
 std::optional<std::array<double, 3>> parse_vector(std::string_view text) {
   std::array<double, 3> vector{};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,9 @@ namespace tetprep {
 /// The whole of `text` as a number (blanks around it allowed, a leading + too); "inf" and "nan" are numbers
 /// here.
 std::optional<double> parse_double(std::string_view text);
+
+/// The whole of `text` as decimal digits, nothing around them, below 2^64.
+std::optional<std::uint64_t> parse_whole(std::string_view text);
 
 /// "X,Y,Z", all finite.
 std::optional<std::array<double, 3>> parse_vector(std::string_view text);

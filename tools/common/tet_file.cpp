@@ -14,18 +14,15 @@ using tetfmt::Code;
 
 [[noreturn]] void refuse(const std::string& path, const tetfmt::Error& error) {
   const std::string what = path + ": " + tetfmt::to_string(error);
+  if (is_unsupported(error.code)) throw Failure(ExitCode::unsupported, what + "; a newer `tet` may read it");
   switch (error.code) {
-    case Code::cannot_open:
-      throw Failure(ExitCode::io, what + "; check the path and its permissions");
+    case Code::cannot_open:  // these two texts begin with the path
+      throw Failure(ExitCode::io, error.text + "; check the path and its permissions");
     case Code::not_a_file:
-      throw Failure(ExitCode::io, what + "; name a tet file");
+      throw Failure(ExitCode::io, error.text + "; name a tet file");
     case Code::too_short:
     case Code::bad_magic:
       throw Failure(ExitCode::invalid, what + "; surface meshes become tet files by `tet convert`");
-    case Code::unsupported_major:
-    case Code::unknown_required_section:
-    case Code::unsupported_codec:
-      throw Failure(ExitCode::unsupported, what + "; a newer `tet` may read it");
     default:
       throw Failure(ExitCode::invalid, what + "; copy or convert it again");
   }
@@ -38,6 +35,11 @@ tetfmt::MappedFile map(const std::string& path) {
 }
 
 }  // namespace
+
+bool is_unsupported(Code code) {
+  return code == Code::unsupported_major || code == Code::unknown_required_section ||
+         code == Code::unsupported_codec;
+}
 
 TetFile::TetFile(const std::string& path) : path_(path), file_(map(path)) {
   auto view = tetfmt::FileView::open(file_.bytes());

@@ -12,6 +12,9 @@
 
 namespace tetprep {
 
+/// The file may be sound, but this version does not know what it holds: exit code 5, not 3.
+bool is_unsupported(tetfmt::Code code);
+
 /// Owner of a mapping and of the view on it. Level::structure is checked, nothing deeper: the view's arrays
 /// may hold anything.
 class TetFile {

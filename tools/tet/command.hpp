@@ -9,8 +9,23 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace tetprep {
+
+/// Checks that an option is one of `names`, and tells in plain words when it is not.
+inline CLI::Validator one_of(const std::vector<std::string>& names) {
+  std::string choices;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    choices += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+  return {[names, choices](const std::string& text) {
+            for (const std::string& name : names)
+              if (text == name) return std::string();
+            return "must be " + choices + ", not " + text;
+          },
+          choices};
+}
 
 void add_convert_command(CLI::App& app, std::function<int()>& run);
 void add_validate_command(CLI::App& app, std::function<int()>& run);

@@ -193,7 +193,7 @@ void add_info_command(CLI::App& app, std::function<int()>& run) {
   verb->add_option_function<std::string>(
           "--format", [options](const std::string& name) { options->json = name == "json"; },
           "text: for reading; json: one object with the same facts, lengths in bytes [text]")
-      ->check(CLI::IsMember({"text", "json"}))
+      ->check(one_of({"text", "json"}))
       ->type_name("FORMAT");
   verb->footer(
       "Coordinates are in the unit of the input mesh. Local coordinates are model coordinates minus the "

@@ -8,6 +8,8 @@
 #include <memory>
 
 #include "common/failure.hpp"
+#include "common/output.hpp"
+#include "common/same_file.hpp"
 #include "common/terminal_progress.hpp"
 #include "common/tet_file.hpp"
 #include "common/threads.hpp"
@@ -34,12 +36,26 @@ constexpr std::size_t kBlock = 4096;
 /// Blocks between two writes: bounds the memory that results wait in.
 constexpr std::size_t kBatch = 64;
 
+/// How many rays share some trait, and the first of them.
+struct Tally {
+  std::size_t count = 0, first = SIZE_MAX;
+  void add(std::size_t ray) {
+    ++count;
+    first = std::min(first, ray);
+  }
+  void add(const Tally& more) {
+    count += more.count;
+    first = std::min(first, more.first);
+  }
+};
+
 struct Block {
   std::string formatted;
   std::size_t corrupt = SIZE_MAX;     ///< the first ray whose walk met bytes that are no mesh
   std::size_t unstorable = SIZE_MAX;  ///< the first ray that float32 cannot hold at all
   std::size_t rounded = 0;            ///< numbers that local space had to round
-  std::size_t directionless = 0;      ///< rays of direction zero
+  Tally directionless;                ///< rays whose direction is zero in float32
+  Tally lost;                         ///< rays that only the float kernel could not answer
 };
 
 /// Model space is shifted in double and rounded once; local space should not need rounding, so it is counted.
@@ -75,15 +91,21 @@ Block answer(const QueryOptions& options, const tetfmt::FileView& view, const Ra
       block.unstorable = i;
       return block;
     }
-    if (ray.direction == tetfmt::Vec3f{}) ++block.directionless;
+    if (ray.direction == tetfmt::Vec3f{}) block.directionless.add(i);
     if (located != ray.origin) {
       location = tetfmt::locate(view, ray.origin, near ? &*near : nullptr);
       located = ray.origin;
       if (location.state == tetfmt::Location::State::inside) near = location.cell;
     }
-    hits[i - begin] = tetfmt::first_hit(view, ray, location, options.kernel);
-    if (hits[i - begin].outcome == tetfmt::Outcome::corrupt ||
-        location.state == tetfmt::Location::State::corrupt) {
+    tetfmt::Hit& hit = hits[i - begin];
+    hit = tetfmt::first_hit(view, ray, location, options.kernel);
+    // Float signs can go in circles on a sound mesh: only the exact walk may blame the file.
+    if (hit.outcome == tetfmt::Outcome::corrupt && options.kernel != tetfmt::Kernel::exact &&
+        tetfmt::first_hit(view, ray, location).outcome != tetfmt::Outcome::corrupt) {
+      hit = {};
+      block.lost.add(i);
+    }
+    if (hit.outcome == tetfmt::Outcome::corrupt || location.state == tetfmt::Location::State::corrupt) {
       block.corrupt = i;
       return block;
     }
@@ -93,17 +115,24 @@ Block answer(const QueryOptions& options, const tetfmt::FileView& view, const Ra
 }
 
 void warn(const std::string& message) {
-  std::cerr << "tet query: warning: " << message << '\n';
+  std::cerr << "tet query: warning: " << one_line(message) << '\n';
+}
+
+std::string rays_text(const Tally& rays) {
+  return std::to_string(rays.count) + (rays.count == 1 ? " ray" : " rays");
 }
 
 int run_query(const QueryOptions& options) {
   table_format(options.rays, "--rays");  // both names before any reading, which may take long
   table_format(options.hits, "--hits");
+  refuse_same_file(options.file, options.hits);
+  refuse_same_file(options.rays, options.hits);
   const TetFile file(options.file);
   const RayFile rays(options.rays);
   HitFile out(options.hits, rays.size());
 
-  std::size_t rounded = 0, directionless = 0;
+  std::size_t rounded = 0;
+  Tally directionless, lost;
   TerminalProgress progress(options.hits != "-");
   progress.stage("query");
   with_threads(options.threads, [&] {
@@ -126,18 +155,27 @@ int run_query(const QueryOptions& options) {
         }
         out.write(block.formatted);
         rounded += block.rounded;
-        directionless += block.directionless;
+        directionless.add(block.directionless);
+        lost.add(block.lost);
       }
       progress.fraction(static_cast<double>(begin) / static_cast<double>(rays.size()));
     }
   });
   out.commit();
+  const std::string rays_name = options.rays == "-" ? "standard input" : options.rays;
   if (rounded > 0) {
-    warn(std::to_string(rounded) + " numbers of " + options.rays +
-         " are no float32 and were rounded; local space promises exactness only for float32");
+    warn(std::to_string(rounded) + (rounded == 1 ? " number of " : " numbers of ") + rays_name +
+         (rounded == 1 ? " is no float32 and was rounded" : " are no float32 and were rounded") +
+         "; local space promises exactness only for float32");
   }
-  if (directionless > 0) {
-    warn(std::to_string(directionless) + " rays of " + options.rays + " have direction zero and hit nothing");
+  if (directionless.count > 0) {
+    warn(rays_text(directionless) + " of " + rays_name + (directionless.count == 1 ? " has" : " have") +
+         " direction zero in float32 and " + (directionless.count == 1 ? "hits" : "hit") +
+         " nothing, first ray " + std::to_string(directionless.first));
+  }
+  if (lost.count > 0) {
+    warn("float kernel lost " + rays_text(lost) + " of " + rays_name + ", first ray " +
+         std::to_string(lost.first) + "; use --kernel exact");
   }
   return 0;
 }
@@ -167,7 +205,7 @@ void add_query_command(CLI::App& app, std::function<int()>& run) {
           "rounded to\n"
           "float32. local: in the file's own float32 coordinates (model minus origin), where nothing is "
           "rounded [model]")
-      ->check(CLI::IsMember({"model", "local"}))
+      ->check(one_of({"model", "local"}))
       ->type_name("SPACE");
   verb->add_option_function<std::string>(
           "--kernel",
@@ -176,8 +214,8 @@ void add_query_command(CLI::App& app, std::function<int()>& run) {
           },
           "exact: the walk's signs are certified. float: plain float signs, which can err where rays meet "
           "edges and\n"
-          "vertices; for comparison [exact]")
-      ->check(CLI::IsMember({"exact", "float"}))
+          "vertices, and lose a ray (a miss, with a warning); for comparison [exact]")
+      ->check(one_of({"exact", "float"}))
       ->type_name("KERNEL");
   verb->add_option("--threads", options->threads,
                    "Threads to use [all]; the answers are the same for any number")
@@ -192,7 +230,9 @@ void add_query_command(CLI::App& app, std::function<int()>& run) {
       "miss\n"
       "  tet       int32    the tetrahedron that the ray came through; -1: a miss\n"
       "  neighbor  int32    the tetrahedron beyond the triangle; -1: a miss\n"
-      "Directions need not be of unit length. A direction of zero hits nothing, with a warning. Numbers that "
+      "Directions need not be of unit length. A direction that is zero in float32 hits nothing, with a "
+      "warning that\n"
+      "counts rays from 0. Numbers that "
       "are not\n"
       "finite are errors.\n"
       "\n"

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/failure.hpp"
+#include "common/parse.hpp"
 #include "common/terminal_progress.hpp"
 #include "sample/surface.hpp"
 #include "sample/write_mesh.hpp"
@@ -55,10 +56,7 @@ void add_sample_command(CLI::App& app, std::function<int()>& run) {
       "sample", "Make a procedural surface mesh, to try things on and to see how they scale.");
   std::vector<std::string> names;
   for (const SurfaceKind& kind : surface_kinds()) names.emplace_back(kind.name);
-  verb->add_option("KIND", options->kind, "What to make")
-      ->required()
-      ->check(CLI::IsMember(names))
-      ->type_name("");
+  verb->add_option("KIND", options->kind, "What to make")->required()->check(one_of(names))->type_name("");
   verb->add_option("-o,--output", options->output,
                    std::string("The mesh to write; its format by the name's ending: ") + kMeshEndings)
       ->required()
@@ -67,7 +65,16 @@ void add_sample_command(CLI::App& app, std::function<int()>& run) {
                    "About how many triangles, within 3 % from 1000 on [20000]; the exact count is printed")
       ->check(CLI::Range(std::uint64_t{1}, kMaxSampleTriangles))
       ->type_name("N");
-  verb->add_option("--seed", options->seed, "What the bumps and the placing of knots are drawn from [1]")
+  verb->add_option_function<std::string>(
+          "--seed",
+          [options](const std::string& text) {
+            const auto seed = parse_whole(text);
+            if (!seed)
+              throw CLI::ValidationError("--seed",
+                                         "expected a whole number from 0 to 2^64 - 1, found '" + text + "'");
+            options->seed = *seed;
+          },
+          "What the bumps and the placing of knots are drawn from, 0 to 2^64 - 1 [1]")
       ->type_name("S");
   verb->footer(kinds_text() +
                "No surface meets itself; closed ones (all but bumpy-plane) are watertight and point outward. "

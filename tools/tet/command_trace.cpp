@@ -9,6 +9,7 @@
 #include "common/failure.hpp"
 #include "common/output.hpp"
 #include "common/parse.hpp"
+#include "common/same_file.hpp"
 #include "common/terminal_progress.hpp"
 #include "common/tet_file.hpp"
 #include "common/threads.hpp"
@@ -21,6 +22,7 @@ namespace {
 constexpr int kMaxEdge = 32768;
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 constexpr int kMaxSamples = 1024;
+constexpr double kMaxCoordinate = 1e30;  // squares and products of three stay finite in double
 
 struct TraceOptions {
   std::string file, output;
@@ -43,6 +45,7 @@ void print_summary(const TraceOptions& options, const RenderStatistics& s) {
 }
 
 int run_trace(const TraceOptions& options) {
+  refuse_same_file(options.file, options.output);
   const TetFile file(options.file);
   AtomicFile out(options.output);
   const double aspect = static_cast<double>(options.render.width) / options.render.height;
@@ -68,7 +71,25 @@ int run_trace(const TraceOptions& options) {
 Vec3 vector_option(const char* option, const std::string& text) {
   const auto vector = parse_vector(text);
   if (!vector) throw CLI::ValidationError(option, "expected three numbers X,Y,Z, found '" + text + "'");
+  for (const double x : *vector) {
+    if (std::abs(x) > kMaxCoordinate)
+      throw CLI::ValidationError(option, "expected numbers up to 1e30, found '" + text + "'");
+  }
   return vec3(*vector);
+}
+
+/// An option in degrees. Parsed here, for CLI11's ranges let nan pass. `target` must outlive the parsing.
+CLI::Option* add_angle(CLI::App* verb, const std::string& name, double& target, double low, double high,
+                       const std::string& help) {
+  const auto parse = [&target, name, low, high](const std::string& text) {
+    const auto degrees = parse_double(text);
+    if (!degrees || !(*degrees >= low && *degrees <= high)) {
+      throw CLI::ValidationError(
+          name, "expected " + number(low) + " to " + number(high) + " degrees, found '" + text + "'");
+    }
+    target = *degrees;
+  };
+  return verb->add_option_function<std::string>(name, parse, help)->type_name("DEG");
 }
 
 }  // namespace
@@ -95,11 +116,14 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
           },
           "Pixels, width and height [1024x1024]")
       ->type_name("WxH");
-  verb->add_option_function<std::string>(
-          "--eye", [options](const std::string& text) { options->camera.eye = vector_option("--eye", text); },
-          "Where the camera is, in the input mesh's coordinates [in front, to the right and above, just far\n"
-          "enough to see the whole surface]")
-      ->type_name("X,Y,Z");
+  CLI::Option* eye =
+      verb->add_option_function<std::string>(
+              "--eye",
+              [options](const std::string& text) { options->camera.eye = vector_option("--eye", text); },
+              "Where the camera is, in the input mesh's coordinates [in front, to the right and above, just "
+              "far\n"
+              "enough to see the whole surface]")
+          ->type_name("X,Y,Z");
   verb->add_option_function<std::string>(
           "--look-at",
           [options](const std::string& text) { options->camera.look_at = vector_option("--look-at", text); },
@@ -114,26 +138,15 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
           },
           "The direction that is upward in the picture [0,1,0]; try 0,0,1 for models from CAD and maps")
       ->type_name("X,Y,Z");
-  verb->add_option_function<double>(
-          "--fov",
-          [options](const double& degrees) {
-            if (!(degrees >= 0.01 && degrees <= 179)) {
-              throw CLI::ValidationError("--fov", "expected 0.01 to 179 degrees, found " + number(degrees));
-            }
-            options->camera.fov = degrees;
-          },
-          "Vertical opening angle in degrees [30]")
-      ->type_name("DEG");
-  verb->add_option("--azimuth", options->camera.azimuth,
-                   "Without --eye: from which side to look, in degrees around --up from the front (+z; -y if "
-                   "z is up)\n"
-                   "towards its right [30]; 210 for models that face the other way")
-      ->check(CLI::Range(-360.0, 360.0))
-      ->type_name("DEG");
-  verb->add_option("--elevation", options->camera.elevation,
-                   "Without --eye: from how far above to look, in degrees [18]")
-      ->check(CLI::Range(-89.0, 89.0))
-      ->type_name("DEG");
+  add_angle(verb, "--fov", options->camera.fov, 0.01, 179, "Vertical opening angle in degrees [30]");
+  add_angle(verb, "--azimuth", options->camera.azimuth, -360, 360,
+            "Without --eye: from which side to look, in degrees around --up from the front (+z; -y if "
+            "z is up)\n"
+            "towards its right [30]; 210 for models that face the other way")
+      ->excludes(eye);
+  add_angle(verb, "--elevation", options->camera.elevation, -89, 89,
+            "Without --eye: from how far above to look, in degrees [18]")
+      ->excludes(eye);
   const std::map<std::string, Shade> shades{{"lambert", Shade::lambert},
                                             {"normal", Shade::normal},
                                             {"depth", Shade::depth},
@@ -145,7 +158,7 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
           "normal:  the input triangle's unit normal n as (n + 1) / 2\n"
           "depth:   distance along the view axis, near bright\n"
           "steps:   tetrahedra visited, dark blue (none) to yellow (the most of a pixel)")
-      ->check(CLI::IsMember({"lambert", "normal", "depth", "steps"}))
+      ->check(one_of({"lambert", "normal", "depth", "steps"}))
       ->type_name("SHADE");
   verb->add_option("--samples", options->render.samples, "Rays a pixel, on a regular grid [4]")
       ->check(CLI::Range(1, kMaxSamples))

@@ -8,6 +8,7 @@
 #include "common/failure.hpp"
 #include "common/output.hpp"
 #include "common/terminal_progress.hpp"
+#include "common/tet_file.hpp"
 #include "tet/command.hpp"
 #include "tetfmt/mapped_file.hpp"
 #include "tetfmt/validate.hpp"
@@ -25,7 +26,7 @@ struct ValidateOptions {
 
 constexpr std::size_t kTextExamples = 3;
 
-enum class Verdict { valid, invalid, unreadable };  // worst last
+enum class Verdict { valid, unsupported, invalid, unreadable };  // worst last
 
 struct FileReport {
   std::string path;
@@ -39,9 +40,16 @@ struct FileReport {
   }
 };
 
+/// What reports call it: a file that this version cannot judge is not valid, and its issues say why.
 const char* verdict_name(Verdict verdict) {
-  constexpr std::array<const char*, 3> kNames = {"valid", "invalid", "unreadable"};
+  constexpr std::array<const char*, 4> kNames = {"valid", "invalid", "invalid", "unreadable"};
   return kNames[static_cast<std::size_t>(verdict)];
+}
+
+/// Every problem is one that a newer version may not have.
+bool only_unsupported(const tetfmt::Report& report) {
+  return std::all_of(report.issues.begin(), report.issues.end(),
+                     [](const auto& issue) { return is_unsupported(issue.first); });
 }
 
 FileReport examine(const std::string& path, Level level) {
@@ -49,7 +57,9 @@ FileReport examine(const std::string& path, Level level) {
   const auto file = tetfmt::MappedFile::open(path);
   if (file) {
     result.report = tetfmt::validate(file->bytes(), level);
-    result.verdict = result.report.valid() ? Verdict::valid : Verdict::invalid;
+    result.verdict = result.report.valid()             ? Verdict::valid
+                     : only_unsupported(result.report) ? Verdict::unsupported
+                                                       : Verdict::invalid;
   } else {
     result.report.issues[file.error().code] = {1, {file.error()}};
     result.verdict = Verdict::unreadable;
@@ -102,8 +112,12 @@ nlohmann::ordered_json json_of(const FileReport& file, Level requested) {
 /// The line on standard error that says what to do.
 std::string advice(const FileReport& file) {
   if (file.verdict == Verdict::unreadable) {
-    return file.path + ": " + file.report.issues.begin()->second.examples.front().text +
+    return file.report.issues.begin()->second.examples.front().text +  // names the file
            "; check the path and its permissions";
+  }
+  if (file.verdict == Verdict::unsupported) {
+    const auto& [code, group] = *file.report.issues.begin();
+    return file.path + ": unsupported: " + tetfmt::code_meaning(code) + "; a newer `tet` may read it";
   }
   const std::size_t codes = file.report.issues.size();
   return file.path + ": invalid: " + std::to_string(file.problems()) +
@@ -125,7 +139,7 @@ int run_validate(const ValidateOptions& options) {
     worst = std::max(worst, file.verdict);
     if (options.json) {
       files.push_back(json_of(file, options.level));
-    } else if (file.verdict == Verdict::invalid) {
+    } else if (file.verdict == Verdict::invalid || file.verdict == Verdict::unsupported) {
       Output::standard().write(text_of(file));
     }
     if (file.verdict != Verdict::valid) std::cerr << "tet validate: " << one_line(advice(file)) << '\n';
@@ -139,6 +153,8 @@ int run_validate(const ValidateOptions& options) {
   switch (worst) {
     case Verdict::valid:
       return static_cast<int>(ExitCode::ok);
+    case Verdict::unsupported:
+      return static_cast<int>(ExitCode::unsupported);
     case Verdict::invalid:
       return static_cast<int>(ExitCode::invalid);
     case Verdict::unreadable:
@@ -166,13 +182,13 @@ void add_validate_command(CLI::App& app, std::function<int()>& run) {
           "checksum:  every stored byte against its hash\n"
           "topology:  every tetrahedron, reference and side\n"
           "geometry:  exact orientation, convexity, covering of the input triangles")
-      ->check(CLI::IsMember({"structure", "checksum", "topology", "geometry"}))
+      ->check(one_of({"structure", "checksum", "topology", "geometry"}))
       ->type_name("LEVEL");
   verb->add_option_function<std::string>(
           "--format", [options](const std::string& name) { options->json = name == "json"; },
           "text: a line for each code and file, with number, name, count, meaning and the first examples;\n"
           "json: one object, also when all is well; spec/validate.schema.json describes it [text]")
-      ->check(CLI::IsMember({"text", "json"}))
+      ->check(one_of({"text", "json"}))
       ->type_name("FORMAT");
   verb->footer(
       "Findings go to standard output, one line of advice for each bad file to standard error. Places are "
@@ -180,8 +196,9 @@ void add_validate_command(CLI::App& app, std::function<int()>& run) {
       "offsets for codes 2xxx, element numbers from 4xxx on; spec/issues.md explains each code.\n"
       "The verdict counts every problem, whether it is printed or not.\n"
       "\n"
-      "Exit codes: 0 all files are valid; 3 a file is invalid; 2 a file cannot be read (2 wins over 3); 1 "
-      "usage.\n"
+      "Exit codes: 0 all files are valid; 5 a file is of a kind that this version does not know, otherwise "
+      "all is\n"
+      "well; 3 a file is invalid; 2 a file cannot be read (2 wins over 3, 3 over 5); 1 usage.\n"
       "\n"
       "Examples:\n"
       "  tet validate bunny.tet && echo sound\n"

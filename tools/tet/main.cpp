@@ -64,6 +64,10 @@ int parse_and_run(int argc, char** argv, CLI::App& app, std::function<int()>& ru
     return static_cast<int>(ExitCode::ok);
   } catch (const CLI::ParseError& error) {
     const std::string who = speaker(app);
+    // CLI11 only misses a verb here; what stands in its place is what to tell.
+    const auto rest = app.remaining();
+    if (app.get_subcommands().empty() && !rest.empty() && !rest.front().starts_with("-"))
+      return report(who, ExitCode::usage, "unknown verb '" + rest.front() + "' (see `tet --help`)");
     return report(who, ExitCode::usage, std::string(error.what()) + " (see `" + who + " --help`)");
   }
   return run();

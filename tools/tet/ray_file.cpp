@@ -34,11 +34,18 @@ std::string read_standard_input() {
   }
 }
 
+/// A column's title. A field that a number begins, as in "0 0 1" or "0;0;1", is data in the wrong form, which
+/// must not pass for a title; nor must "nan" and the like.
+bool is_name(std::string_view field) {
+  if (field.empty() || parse_double(field)) return false;
+  const std::size_t first = field.find_first_not_of("+-.");
+  return first != std::string_view::npos && std::isdigit(static_cast<unsigned char>(field[first])) == 0;
+}
+
 tetfmt::MappedFile map(const std::string& path) {
   auto file = tetfmt::MappedFile::open(path);
   if (file) return std::move(file).value();
-  throw Failure(ExitCode::io,
-                path + ": " + file.error().text + "; name a file of rays, or - for standard input");
+  throw Failure(ExitCode::io, file.error().text + "; name a file of rays, or - for standard input");
 }
 
 }  // namespace
@@ -103,7 +110,7 @@ void RayFile::parse_csv(std::string_view text) {
 
     const std::string where = name_ + ":" + std::to_string(line);
     std::array<double, 6> values{};
-    std::size_t column = 0, numbers = 0, bad_column = 0;
+    std::size_t column = 0, names = 0, bad_column = 0;
     std::string_view rest = row, bad_text;
     for (bool more = true; more; ++column) {
       const auto comma = rest.find(',');
@@ -111,7 +118,7 @@ void RayFile::parse_csv(std::string_view text) {
       more = comma != std::string_view::npos;
       if (more) rest.remove_prefix(comma + 1);
       const auto value = parse_double(field);
-      numbers += value.has_value();
+      names += is_name(field);
       if (value && std::isfinite(*value)) {
         if (column < values.size()) values[column] = *value;
       } else if (bad_column == 0) {
@@ -119,7 +126,7 @@ void RayFile::parse_csv(std::string_view text) {
         bad_text = field;
       }
     }
-    if (std::exchange(header_possible, false) && numbers == 0) continue;
+    if (std::exchange(header_possible, false) && names == kColumns.size() && column == names) continue;
     if (column != values.size()) {
       throw Failure(ExitCode::invalid, where + ": found " + std::to_string(column) +
                                            (column == 1 ? " column" : " columns") +
