@@ -85,7 +85,6 @@ class Projection {
 /// leaves room for all terms of second order.
 class ExactSigns {
  public:
-  using Real = double;
   ExactSigns(const Line& line, const Bounds& bounds, std::span<const Vec3f> vertices)
       : project_(line), line_(line), vertices_(vertices) {
     const Vec3d lower = to_vec3d(bounds.lower), upper = to_vec3d(bounds.upper);
@@ -119,7 +118,6 @@ class ExactSigns {
 /// vertices.
 class FloatSigns {
  public:
-  using Real = float;
   static FloatSigns of(const ExactSigns& signs) { return FloatSigns(signs.projection()); }
   Point2<float> project(const Vec3f& point) const { return project_(point); }
   bool left(const Point2<float>& a, Index, const Point2<float>& b, Index) const {

@@ -7,10 +7,23 @@
 
 namespace tetprep {
 
-void refuse_same_file(const std::string& input, const std::string& output) {
-  if (input == "-" || output == "-") return;
+bool same_file(const std::string& a, const std::string& b) {
+  if (a == "-" || b == "-") return false;
+  namespace fs = std::filesystem;
   std::error_code error;
-  if (std::filesystem::equivalent(input, output, error) && !error)
+  if (fs::is_other(fs::status(b, error))) return false;
+  if (fs::equivalent(a, b, error) && !error) return true;
+  const auto absolute = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path), error);
+  };
+  const fs::path first = absolute(a);
+  if (error) return false;
+  const fs::path second = absolute(b);
+  return !error && first == second;
+}
+
+void refuse_same_file(const std::string& input, const std::string& output) {
+  if (same_file(input, output))
     throw Failure(ExitCode::usage, output + ": is the input itself; name another output");
 }
 

@@ -6,8 +6,11 @@
 
 namespace tetprep {
 
-/// Throws Failure (usage) if both names lead to the same existing file, by whatever path, hard or symbolic
-/// link. "-" is a standard stream and no file.
+/// Whether both paths lead to one file, be it there already or not. A device may be named twice; "-" is a
+/// standard stream and no file.
+bool same_file(const std::string& a, const std::string& b);
+
+/// Throws Failure (usage) if they do.
 void refuse_same_file(const std::string& input, const std::string& output);
 
 }  // namespace tetprep

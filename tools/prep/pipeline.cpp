@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/atomic_file.hpp"
+#include "common/same_file.hpp"
 #include "tetfmt/encode.hpp"
 #include "tetfmt/validate.hpp"
 #include "tetfmt/view.hpp"
@@ -17,24 +18,8 @@
 namespace tetprep {
 namespace {
 
-/// Whether both paths lead to one file, be it there already or not. A device may be named twice.
-bool same_file(const std::string& a, const std::string& b) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (fs::is_other(fs::status(b, error))) return false;
-  if (fs::equivalent(a, b, error) && !error) return true;
-  const auto absolute = [&](const std::string& path) {
-    return fs::weakly_canonical(fs::absolute(path), error);
-  };
-  const fs::path first = absolute(a);
-  if (error) return false;
-  const fs::path second = absolute(b);
-  return !error && first == second;
-}
-
 void refuse_same_files(const ConvertOptions& options) {
-  if (same_file(options.input, options.output))
-    throw Failure(ExitCode::usage, options.output + ": is the input itself; name another output");
+  refuse_same_file(options.input, options.output);
   if (options.report.empty()) return;
   if (same_file(options.input, options.report))
     throw Failure(ExitCode::usage,
