@@ -3,7 +3,7 @@
 
 build_packages=(g++ cmake ninja-build ccache
   libboost-dev libxxhash-dev                                              # the library
-  libcgal-dev libtet1.5-dev libdraco-dev # the converter
+  libcgal-dev libtet1.5-dev libdraco-dev libopenmesh-dev libtinygltf-dev    # the converter
   libcli11-dev nlohmann-json3-dev libpng-dev libtbb-dev                   # the tet command
   libcgal-demo)                                                           # real meshes
 test_packages=(libgtest-dev)

@@ -33,6 +33,9 @@ Result<FileView> FileView::open(std::span<const std::byte> bytes, const Limits& 
   view.sides_ = typed<Side>(view.section(kSides));
   view.triangles_ = typed<Triangle>(view.section(kTriangles));
   view.hull_ = typed<HullFace>(view.section(kHullFaces));
+  view.origins_ = typed<Index>(view.section(kOrigins));
+  view.input_triangles_ = typed<Triangle>(view.section(kInputTriangles));
+  view.regions_ = typed<Region>(view.section(kRegions));
   for (const HullFace& face : view.hull_) {
     for (const Index id : face.vertices) {
       if (id < view.vertices_.size()) view.bounds_.add(view.vertices_[id]);

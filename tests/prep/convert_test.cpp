@@ -32,7 +32,7 @@ class Convert : public FolderTest {
   ConvertReport run(const std::string& input, const std::string& output, Layout layout = Layout::tet20,
                     unsigned threads = 2, const std::string& report = {}) {
     ConvertOptions options;
-    options.input = input;
+    options.inputs = {input};
     options.output = path(output);
     options.layout = layout;
     options.threads = threads;
@@ -235,7 +235,7 @@ TEST_F(Convert, NoFileServesTwice) {
 
 TEST_F(Convert, FailedReportLeavesNoOutput) {
   ConvertOptions options;
-  options.input = write("in.obj", as_obj(cube({0, 0, 0}, 1)));
+  options.inputs = {write("in.obj", as_obj(cube({0, 0, 0}, 1)))};
   options.output = path("x.tet");
   options.report = "/dev/full";
   tetprep::Progress progress;
@@ -282,7 +282,7 @@ TEST_F(Convert, TrianglesSmallerThanTheGrid) {
 
 TEST_F(Convert, FullDisk) {
   ConvertOptions options;
-  options.input = write("in.obj", as_obj(cube({0, 0, 0}, 1)));
+  options.inputs = {write("in.obj", as_obj(cube({0, 0, 0}, 1)))};
   options.output = "/dev/full";
   tetprep::Progress progress;
   const auto failure = failure_of([&] { convert(options, progress); });
@@ -311,7 +311,7 @@ TEST_F(Convert, InterruptLeavesNothing) {
     const pid_t worker = fork();
     if (worker == 0) {
       ConvertOptions options;
-      options.input = input;
+      options.inputs = {input};
       options.output = path("out.tet");
       Beacon beacon(ends[1], "tetgen: boundary recovery");
       convert(options, beacon);

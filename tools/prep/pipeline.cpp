@@ -19,9 +19,9 @@ namespace tetprep {
 namespace {
 
 void refuse_same_files(const ConvertOptions& options) {
-  refuse_same_file(options.input, options.output);
+  refuse_same_file(options.inputs.front(), options.output);
   if (options.report.empty()) return;
-  if (same_file(options.input, options.report))
+  if (same_file(options.inputs.front(), options.report))
     throw Failure(ExitCode::usage,
                   options.report + ": is the input itself; name another file for the report");
   if (same_file(options.output, options.report))
@@ -38,24 +38,25 @@ std::size_t points_used(const TriangleSoup& soup) {
 
 CleanSurface read_and_snap(const ConvertOptions& options, StageLog& log, ConvertReport& report) {
   log.begin("read");
-  const TriangleSoup soup = read_soup(options.input);
+  const TriangleSoup soup = read_soup(options.inputs.front());
   log.begin("snap");
   report.input_points = points_used(soup);
   try {
     return snap(soup);
   } catch (const Failure& failure) {
-    throw Failure(failure.code(), options.input + ": " + failure.what());
+    throw Failure(failure.code(), options.inputs.front() + ": " + failure.what());
   }
 }
 
 TetMesh tetrahedralize_input(const ConvertOptions& options, unsigned threads, const CleanSurface& surface,
                              Progress& progress, StageLog& log, ConvertReport& report) {
   // TetGen is one of the threads.
-  const TetrahedralizeOptions how{options.radius_edge, options.time_limit, std::max(2u, threads) - 1};
+  const TetrahedralizeOptions how{options.radius_edge, options.time_limit, options.memory_limit,
+                                  std::max(2u, threads) - 1};
   try {
     return tetrahedralize(surface, how, progress, log, report.tetrahedralize);
   } catch (const Failure& failure) {
-    throw Failure(failure.code(), options.input + ": " + failure.what());
+    throw Failure(failure.code(), options.inputs.front() + ": " + failure.what());
   }
 }
 

@@ -11,14 +11,29 @@
 
 namespace tetprep {
 
+/// Which space stays in the file.
+enum class Keep {
+  all,
+  outside,         ///< region 0: for rays that start outside of everything, among opaque surfaces
+  reachable_from,  ///< the regions of given points
+};
+
 struct ConvertOptions {
-  std::string input, output;
-  std::string report;  ///< where to write the report as JSON; empty for nowhere
+  std::vector<std::string> inputs;  ///< at least one; several make one scene
+  std::string output;
+  std::string report;      ///< where to write the report as JSON; empty for nowhere
+  std::string debug_mesh;  ///< where to write the surface if it cannot be converted, or had to be cut
   tetfmt::Layout layout = tetfmt::Layout::tet20;
   unsigned threads = 0;  ///< 0: as many as the machine has
   double radius_edge = TetrahedralizeOptions{}.radius_edge;
-  double time_limit = 0;
+  double time_limit = 0;           ///< seconds for an attempt of TetGen; 0 chooses by size
+  std::uint64_t memory_limit = 0;  ///< bytes that TetGen may use; 0: none
   Optimize optimize = Optimize::fast;
+  KeepAttributes attributes = KeepAttributes::all;
+  bool draco = false;  ///< attributes in a DRAC section
+  Keep keep = Keep::all;
+  std::vector<Point> reachable_from;  ///< model coordinates
+  double simplify = 0;                ///< largest deviation, model units; 0: leave the surface as it is
 };
 
 /// What happened, for the user and for the report file.

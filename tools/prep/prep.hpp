@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // The converter's types, in the order in which data flows (each arrow is one function in one file):
 //
-//   TriangleSoup -> CleanSurface -> TetMesh -> tetfmt::Mesh -> bytes -> file
-//     read_soup      snap            tetrahedralize  order    encode   convert (pipeline.cpp)
+//   TriangleSoup -> CleanSurface -> CleanSurface -> TetMesh -> tetfmt::Mesh -> bytes -> file
+//     read_soup      snap            resolve        tetrahedralize  order    encode   convert (pipeline.cpp)
 //
 // Every type's maker establishes its invariants; later stages do not re-check them. All functions throw
 // tetprep::Failure with one line in terms of the input (triangle numbers, coordinates, file:line).
@@ -15,14 +15,12 @@
 
 #include "common/failure.hpp"
 #include "common/progress.hpp"
+#include "prep/appearance.hpp"
 #include "prep/stage_log.hpp"
 #include "tetfmt/mesh.hpp"
 #include "tetfmt/orientation.hpp"
 
 namespace tetprep {
-
-using tetfmt::Index;
-using tetfmt::kNone;
 
 /// model = origin + coordinates * 2^grid_exponent, exactly. No coordinate exceeds kMaxCoordinate in size, so
 /// two points differ by at most 2^24 and tetfmt::orientation is exact.
@@ -37,16 +35,21 @@ using Point = std::array<double, 3>;
 struct TriangleSoup {
   std::vector<Point> points;
   std::vector<std::array<Index, 3>> triangles;
+  Appearance appearance{};
+  std::vector<std::string> warnings{};  ///< what was read over: "file:line: what, and what was done"
 };
 
 /// The surface on a uniform power-of-two grid: no two points equal, every point used, no degenerate and no
-/// repeated triangle (in any orientation). Triangles may still intersect.
+/// repeated triangle (in any orientation). Triangles may still intersect; after resolve() none does.
 struct CleanSurface {
   Point origin{};
   int grid_exponent = 0;
   std::vector<GridPoint> points;                ///< in order of first use
   std::vector<std::array<Index, 3>> triangles;  ///< corner order of the input
-  std::vector<Index> input_triangle;            ///< of each triangle, ascending
+  std::vector<Index> input_triangle;            ///< of each triangle, ascending; pieces of one share theirs
+  /// Empty, or (if some triangles were cut) the corners of every input triangle, kNone x 3 for those that
+  /// were dropped by snap().
+  std::vector<std::array<Index, 3>> input_corners;
   Index input_triangle_count = 0;
   Index merged_points = 0, degenerate_triangles = 0, duplicate_triangles = 0;
   double max_deviation = 0;  ///< largest distance that snapping moved a point, model units; 0: none moved
@@ -60,7 +63,9 @@ struct TetMesh {
   std::vector<GridPoint> points;  ///< the surface's points first, then the box's eight, then Steiner points
   std::vector<std::array<Index, 4>> tets;
   std::vector<std::array<Index, 4>> neighbors;  ///< across the face opposite each vertex; kNone at the hull
-  std::vector<std::array<Index, 4>> face_triangle;  ///< CleanSurface triangle on that face, or kNone
+  /// CleanSurface triangle on that face, or kNone. With a triangle but without a neighbor: one-sided, the
+  /// space beyond was left out.
+  std::vector<std::array<Index, 4>> face_triangle;
 };
 
 /// One run of the tetrahedraliser that did not lead to a result.
@@ -69,9 +74,10 @@ struct FailedAttempt {
 };
 
 struct TetrahedralizeOptions {
-  double radius_edge = 5;  ///< bound on circumradius / shortest edge; 0 for none
-  double time_limit = 0;   ///< seconds an attempt may take; 0 chooses by the number of triangles
-  unsigned threads = 1;    ///< for the search for intersections, which runs beside TetGen
+  double radius_edge = 5;          ///< bound on circumradius / shortest edge; 0 for none
+  double time_limit = 0;           ///< seconds an attempt may take; 0 chooses by the number of triangles
+  std::uint64_t memory_limit = 0;  ///< bytes that TetGen's process may use; 0: no limit
+  unsigned threads = 1;            ///< for the search for intersections, which runs beside TetGen
 };
 
 /// What happened on the way to a TetMesh.
@@ -86,9 +92,14 @@ struct TetrahedralizeReport {
   double tetgen_seconds = 0;  ///< of the attempt that succeeded, from first stage to last
 };
 
-/// Reads .obj, .off, .ply (ascii and binary), .stl (both) and .drc by their extension; polygons are cut into
-/// triangles. Failure: io (cannot be read), invalid (contents), unsupported (unknown extension).
+/// Reads .obj (with .mtl), .off, .ply (ascii and binary), .stl (both), .drc, .gltf and .glb by their
+/// extension; polygons are cut into triangles. Failure: io (cannot be read), invalid (contents), unsupported
+/// (unknown extension, or sound contents that cannot be used).
 TriangleSoup read_soup(const std::string& path);
+
+/// One scene of several: triangles, materials, objects and warnings one after the other, in order.
+/// Point attributes that only some of them have are NaN elsewhere. `soups` must not be empty.
+TriangleSoup merge_soups(std::vector<TriangleSoup> soups);
 
 /// Puts the surface on a power-of-two grid of about 2^21 steps over its extent. If all coordinates lie on
 /// such a grid already (of at most 2^22 steps), none changes by a bit. Failure (invalid): nothing with an

@@ -26,7 +26,7 @@ std::string to_json(const ConvertOptions& options, const ConvertReport& report, 
   json["program"] = "tet convert";
   json["version"] = TETFMT_VERSION;
   if (!error.empty()) json["error"] = error;
-  json["input"] = options.input;
+  json["inputs"] = options.inputs;
   json["output"] = options.output;
   json["options"] = {{"layout", options.layout == tetfmt::Layout::tet20 ? "tet20" : "tet16"},
                      {"threads", options.threads},

@@ -81,7 +81,7 @@ void add_convert_command(CLI::App& app, std::function<int()>& run) {
   const auto settings = std::make_shared<Settings>();
   ConvertOptions& options = settings->options;
   CLI::App* command = app.add_subcommand("convert", "Make a tet file from a surface mesh");
-  command->add_option("INPUT", options.input, "Surface mesh")->required();
+  command->add_option("INPUT", options.inputs, "Surface mesh")->required();
   command->add_option("-o,--output", options.output, "Tet file to write")->required()->type_name("OUT.tet");
   const std::map<std::string, tetfmt::Layout> layouts{{"tet20", tetfmt::Layout::tet20},
                                                       {"tet16", tetfmt::Layout::tet16}};

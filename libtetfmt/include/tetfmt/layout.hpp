@@ -36,6 +36,10 @@ inline constexpr std::int64_t kMaxGridCoordinate = std::int64_t{1} << 24;
 /// No count of a file exceeds this: the largest side index would read as kHull.
 inline constexpr std::uint64_t kMaxCount = 0x7FFFFFFE;
 
+/// Header flag: tetrahedra that rays of the scene cannot enter were left out. Some sides then have no
+/// tetrahedron (Side::tet is kNone), and there may be no hull.
+inline constexpr std::uint32_t kPartial = 1;
+
 struct FileHeader {
   std::array<std::uint8_t, 8> magic = kMagic;
   std::uint16_t major = kMajor;
@@ -53,7 +57,7 @@ struct FileHeader {
   std::uint32_t source_count = 0;           ///< source tets, at least 1
   std::array<double, 3> origin{};           ///< model = origin + local
   std::int32_t grid_exponent = 0;           ///< local coordinates are integers times 2^grid_exponent
-  std::uint32_t flags = 0;                  ///< none defined in 1.0: zero
+  std::uint32_t flags = 0;                  ///< kPartial or 0
   std::array<std::uint64_t, 2> reserved{};  ///< zero in 1.0
   std::uint64_t toc_hash = 0;               ///< XXH3-64 of the table of contents
   std::uint64_t header_hash = 0;            ///< XXH3-64 of bytes 0 to 119
@@ -73,8 +77,25 @@ inline constexpr SectionKind kSources = section_kind("SRCE");
 inline constexpr SectionKind kSides = section_kind("SIDE");
 inline constexpr SectionKind kTriangles = section_kind("TRIA");
 inline constexpr SectionKind kHullFaces = section_kind("HULL");
-inline constexpr SectionKind kMaterials = section_kind("MATL");  ///< optional; reserved in 1.0
-inline constexpr SectionKind kMetadata = section_kind("META");   ///< optional; UTF-8 JSON
+// Optional sections: a reader that knows none of them still finds every hit.
+inline constexpr SectionKind kMetadata = section_kind("META");  ///< UTF-8 JSON
+inline constexpr SectionKind kRegions = section_kind("REGN");   ///< Region
+inline constexpr SectionKind kOrigins = section_kind("ORIG");   ///< Index: input triangle, of each triangle
+inline constexpr SectionKind kInputTriangles =
+    section_kind("SURF");                                        ///< Triangle: the input's, with ORIG only
+inline constexpr SectionKind kTexts = section_kind("TEXT");      ///< zero-terminated UTF-8 strings
+inline constexpr SectionKind kMaterials = section_kind("MATL");  ///< Material
+inline constexpr SectionKind kObjects = section_kind("OBJT");    ///< Object
+inline constexpr SectionKind kTriangleObjects =
+    section_kind("TOBJ");  ///< Index: object, of each input triangle
+inline constexpr SectionKind kCorners =
+    section_kind("CORN");  ///< 3 Index: surface points, of each input triangle
+inline constexpr SectionKind kNormals = section_kind("NORM");         ///< 3 floats, of each surface point
+inline constexpr SectionKind kTexcoords = section_kind("TEXC");       ///< 2 floats
+inline constexpr SectionKind kColors = section_kind("COLR");          ///< 4 floats: red, green, blue, alpha
+inline constexpr SectionKind kProperties = section_kind("PROP");      ///< Property
+inline constexpr SectionKind kPropertyValues = section_kind("PVAL");  ///< doubles, property after property
+inline constexpr SectionKind kDracoSurface = section_kind("DRAC");    ///< instead of CORN to PVAL
 
 inline constexpr std::uint16_t kSectionVersion = 1;
 inline constexpr std::uint16_t kRequired = 1;    ///< flag: a reader that does not know this kind must refuse
@@ -122,7 +143,7 @@ static_assert(sizeof(SourceTet) == 40);
 /// One side of a constrained face. Side 2k is in front (its tet lies where the triangle's normal points),
 /// side 2k + 1 behind; both name the same triangle and material.
 struct Side {
-  Index tet = 0;
+  Index tet = 0;  ///< kNone: the space there was left out (kPartial); its twin has a tetrahedron
   Index triangle = 0;
   Index material = 0;
 };
@@ -145,5 +166,47 @@ struct HullFace {
   friend auto operator<=>(const HullFace&, const HullFace&) = default;
 };
 static_assert(sizeof(HullFace) == 16);
+
+/// A space that surfaces close off from the others: a run of tetrahedra, connected through free faces.
+struct Region {
+  Index first_tet = 0, tet_count = 0;
+  Index id = 0;  ///< ascending; 0 is the space around everything, the one that the hull bounds
+  std::uint32_t reserved = 0;
+  double volume = 0;   ///< in cubic model units: the double nearest to the sum of the tetrahedra
+  Vec3f lower, upper;  ///< bounds of its vertices, local coordinates
+};
+static_assert(sizeof(Region) == 48);
+
+/// Offset of a zero-terminated string in TEXT; kNone: no text.
+using TextRef = std::uint32_t;
+
+/// What a surface is made of, as far as the input says. Colours and factors as the input gives them, 0 to 1
+/// unless emission.
+struct Material {
+  std::array<float, 4> base_color = {0.8f, 0.8f, 0.8f, 1};  ///< red, green, blue, opacity
+  std::array<float, 3> emission{};
+  float metallic = 0, roughness = 1;
+  float ior = 1.5f;        ///< index of refraction
+  float transmission = 0;  ///< share of light that passes through
+  TextRef name = kNone;
+  TextRef base_color_texture = kNone;  ///< path or URI as the input gives it
+  std::array<std::uint32_t, 3> reserved{};
+};
+static_assert(sizeof(Material) == 64);
+
+/// A named part of the input: an OBJ object or group, a glTF node, or a whole file.
+struct Object {
+  TextRef name = kNone;    ///< as the input gives it
+  TextRef source = kNone;  ///< the input file's name, without folders
+};
+static_assert(sizeof(Object) == 8);
+
+/// A further value of each surface point, such as a PLY vertex property.
+struct Property {
+  TextRef name = kNone;
+  std::uint32_t type = 0;  ///< of the input: PropertyType
+};
+static_assert(sizeof(Property) == 8);
+enum class PropertyType : std::uint32_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 }  // namespace tetfmt

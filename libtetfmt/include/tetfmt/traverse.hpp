@@ -32,24 +32,26 @@ enum class Outcome : std::uint8_t {
   hit,      ///<
   corrupt,  ///< `start` does not hold the origin, or the bytes do not describe a mesh (or float signs went in
             ///< circles): the walk was cut short
+  absent,   ///< the ray starts in space that the file leaves out (FileView::partial)
 };
 
 struct Hit {
   Outcome outcome = Outcome::miss;
   bool back = false;       ///< the triangle was met from behind, against its normal (b - a) x (c - a)
-  Index triangle = kNone;  ///< of the input surface, in input order
+  Index triangle = kNone;  ///< of the input surface (FileView::input_triangles)
   double t = std::numeric_limits<double>::infinity();  ///< in units of the ray's direction; at least 0
-  double u = 0, v = 0;      ///< barycentric weights of the input triangle's second and third corner
+  double u = 0, v = 0;      ///< barycentric weights of that triangle's second and third corner
   Index side = kNone;       ///< the side that was met; twin(side) is beyond
   Index tet = kNone;        ///< the tetrahedron that the ray came through
-  Index neighbor = kNone;   ///< the tetrahedron beyond the face
+  Index neighbor = kNone;   ///< the tetrahedron beyond the face; kNone if the file leaves it out
   std::uint32_t steps = 0;  ///< tetrahedra visited
 };
 
 /// Where a point lies, and what every ray from there needs to know. Points on the boundary between tetrahedra
 /// are given to one of them. Made by `locate`.
 struct Location {
-  enum class State : std::uint8_t { inside, outside, corrupt } state = State::corrupt;
+  /// absent: in space that the file leaves out.
+  enum class State : std::uint8_t { inside, outside, corrupt, absent } state = State::corrupt;
   Cell cell;  ///< inside: the tetrahedron
   /// Inside: the cell's vertices, ascending, are positively oriented.
   bool positive = false;

@@ -40,6 +40,16 @@ class FileView {
   std::span<const Side> sides() const { return sides_; }
   std::span<const Triangle> triangles() const { return triangles_; }
   std::span<const HullFace> hull() const { return hull_; }
+  /// The input's triangles, whose numbers hits report: triangles(), unless the writer had to cut some up.
+  std::span<const Triangle> input_triangles() const {
+    return origins_.empty() ? triangles_ : input_triangles_;
+  }
+  /// Of each of triangles(), the input triangle that it is a piece of. Empty: they are the same.
+  std::span<const Index> origins() const { return origins_; }
+  /// Ascending in the tets that they hold; empty if the file does not tell.
+  std::span<const Region> regions() const { return regions_; }
+  /// True if tetrahedra were left out, so that some sides have none.
+  bool partial() const { return (header().flags & kPartial) != 0; }
   /// The stored bytes of a section; empty if the file has none of this kind.
   std::span<const std::byte> section(SectionKind kind) const;
   /// The box around the hull's vertices: around everything, if the file is valid. O(1).
@@ -58,6 +68,9 @@ class FileView {
   std::span<const Side> sides_;
   std::span<const Triangle> triangles_;
   std::span<const HullFace> hull_;
+  std::span<const Triangle> input_triangles_;
+  std::span<const Index> origins_;
+  std::span<const Region> regions_;
   Bounds bounds_;
 };
 
