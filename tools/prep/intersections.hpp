@@ -12,9 +12,6 @@
 
 namespace tetprep {
 
-/// Two triangles of a CleanSurface, the smaller number first.
-using TrianglePair = std::pair<Index, Index>;
-
 /// True if the triangles have a point in common beyond the corners and the edge that they share by index.
 /// Overlap in a plane counts. Exact. They must not share all three corners.
 bool triangles_intersect(const std::vector<GridPoint>& points, const std::array<Index, 3>& a,

@@ -11,6 +11,7 @@
 
 #include "common/atomic_file.hpp"
 #include "common/same_file.hpp"
+#include "prep/describe.hpp"
 #include "tetfmt/encode.hpp"
 #include "tetfmt/validate.hpp"
 #include "tetfmt/view.hpp"
@@ -55,6 +56,9 @@ TetMesh tetrahedralize_input(const ConvertOptions& options, unsigned threads, co
                                   std::max(2u, threads) - 1};
   try {
     return tetrahedralize(surface, how, progress, log, report.tetrahedralize);
+  } catch (const Intersecting& intersecting) {
+    throw Failure(ExitCode::invalid,
+                  options.inputs.front() + ": " + describe_intersections(surface, intersecting.pairs));
   } catch (const Failure& failure) {
     throw Failure(failure.code(), options.inputs.front() + ": " + failure.what());
   }

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/failure.hpp"
@@ -68,6 +69,14 @@ struct TetMesh {
   std::vector<std::array<Index, 4>> face_triangle;
 };
 
+/// Two triangles of a CleanSurface, the smaller number first.
+using TrianglePair = std::pair<Index, Index>;
+
+/// Thrown by tetrahedralize() for a surface that intersects itself: what resolve() wants to know.
+struct Intersecting {
+  std::vector<TrianglePair> pairs;  ///< all of them, ascending, or IntersectionSearch::kMostPairs
+};
+
 /// One run of the tetrahedraliser that did not lead to a result.
 struct FailedAttempt {
   std::string switches, reason;
@@ -84,8 +93,12 @@ struct TetrahedralizeOptions {
 struct TetrahedralizeReport {
   std::string switches;  ///< TetGen's, of the attempt that succeeded
   std::vector<FailedAttempt> failed_attempts;
-  std::size_t intersection_count = 0;  ///< pairs of triangles, if tetrahedralize() failed because of them
+  std::size_t intersection_count = 0;  ///< pairs of triangles, if tetrahedralize() threw Intersecting
   std::vector<std::array<Index, 2>> intersections;  ///< the first 10,000 of them, numbers of the input
+  /// Triangles of the surface (its numbers) that the last failed attempt got stuck at, as far as known: those
+  /// to mark in a debug mesh.
+  std::vector<Index> suspects;
+  int grid_refinement = 0;  ///< the TetMesh's grid has 2^this steps to one of the surface's
   Index steiner_points = 0;
   Index moved_steiner_points =
       0;                      ///< those that could not stay at the grid point nearest to TetGen's position
@@ -107,9 +120,9 @@ TriangleSoup merge_soups(std::vector<TriangleSoup> soups);
 CleanSurface snap(const TriangleSoup& soup);
 
 /// Encloses the surface in a box and fills it with tetrahedra, among whose faces is every triangle as it is.
-/// Failure: invalid (triangles intersect: the first few are named, `report` lists them), runtime (TetGen died
-/// or ran out of time). The result is checked: exact orientation of every tet, every triangle there, the hull
-/// is the box.
+/// Throws Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen
+/// died, or ran out of time or memory, with every choice of switches). The result is checked: exact
+/// orientation of every tet, every triangle there, the hull is the box.
 TetMesh tetrahedralize(const CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
                        StageLog& log, TetrahedralizeReport& report);
 

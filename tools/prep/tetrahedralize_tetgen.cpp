@@ -3,7 +3,6 @@
 // point has moved, the hull is the box, and every tet has a volume in exact arithmetic.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "common/parse.hpp"
@@ -36,33 +35,15 @@ double default_time_limit(std::size_t triangles) {
   return 60 + 5e-4 * static_cast<double>(triangles);
 }
 
-/// A triangle's number and where it is, short: the file has its exact coordinates.
-std::string describe(const CleanSurface& surface, Index triangle) {
-  const GridPoint& p = surface.points[surface.triangles[triangle][0]];
-  const double step = std::ldexp(1.0, surface.grid_exponent);
-  char text[120];
-  std::snprintf(text, sizeof text, "%u (%.9g %.9g %.9g)", surface.input_triangle[triangle],
-                surface.origin[0] + p[0] * step, surface.origin[1] + p[1] * step,
-                surface.origin[2] + p[2] * step);
-  return text;
-}
-
-[[noreturn]] void fail_intersecting(const CleanSurface& surface, const std::vector<TrianglePair>& pairs,
-                                    TetrahedralizeReport& report) {
-  constexpr std::size_t kNamed = 5, kListed = 10'000;
+[[noreturn]] void throw_intersecting(const CleanSurface& surface, std::vector<TrianglePair> pairs,
+                                     TetrahedralizeReport& report) {
+  constexpr std::size_t kListed = 10'000;
   report.intersection_count = pairs.size();
+  report.intersections.clear();
   for (std::size_t i = 0; i < std::min(kListed, pairs.size()); ++i)
     report.intersections.push_back(
         {surface.input_triangle[pairs[i].first], surface.input_triangle[pairs[i].second]});
-  std::string text = "the surface intersects itself: ";
-  if (pairs.size() >= IntersectionSearch::kMostPairs) text += "at least ";
-  text += std::to_string(pairs.size()) + (pairs.size() == 1 ? " pair" : " pairs") +
-          " of triangles, which must be cut or moved first (numbers from 0, each with a corner): ";
-  for (std::size_t i = 0; i < std::min(kNamed, pairs.size()); ++i)
-    text += (i == 0 ? "" : "; ") + describe(surface, pairs[i].first) + " and " +
-            describe(surface, pairs[i].second);
-  if (pairs.size() > kNamed) text += "; ... (--report lists them)";
-  throw Failure(ExitCode::invalid, text);
+  throw Intersecting{std::move(pairs)};
 }
 
 /// The surface inside its box, as TetGen gets it: facets are the surface's triangles, then the box's.
@@ -188,7 +169,7 @@ TetMesh tetrahedralize(const CleanSurface& surface, const TetrahedralizeOptions&
       }
     }
     log.end();
-    if (const auto& pairs = search->wait(); !pairs.empty()) fail_intersecting(surface, pairs, report);
+    if (const auto& pairs = search->wait(); !pairs.empty()) throw_intersecting(surface, pairs, report);
     report.failed_attempts.push_back({switches, outcome.reason});
   }
   std::string text = "TetGen found no tetrahedra for this surface, which does not intersect itself;";
