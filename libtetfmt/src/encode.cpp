@@ -75,11 +75,14 @@ std::vector<std::byte> encode(const Mesh& mesh, Layout layout) {
   struct Section {
     SectionKind kind;
     std::span<const std::byte> bytes;
+    std::uint32_t stride = 0;
   };
   std::vector<Section> sections = {
       {kSources, as_bytes(sources)},        {kHullFaces, as_bytes(hull)},
       {kVertices, as_bytes(mesh.vertices)}, {kTets, tets},
       {kSides, as_bytes(mesh.sides)},       {kTriangles, as_bytes(mesh.triangles)}};
+  for (const OptionalSection& section : mesh.optional)
+    sections.push_back({section.kind, section.bytes, section.stride});
   if (!mesh.metadata.empty()) {
     sections.push_back({kMetadata, std::as_bytes(std::span(mesh.metadata.data(), mesh.metadata.size()))});
   }
@@ -95,14 +98,17 @@ std::vector<std::byte> encode(const Mesh& mesh, Layout layout) {
   header.source_count = static_cast<std::uint32_t>(sources.size());
   header.origin = mesh.origin;
   header.grid_exponent = grid_exponent(mesh.vertices);
+  const bool partial =
+      std::any_of(mesh.sides.begin(), mesh.sides.end(), [](const Side& side) { return side.tet == kNone; });
+  if (partial) header.flags |= kPartial;
 
   std::vector<SectionEntry> entries;
   std::uint64_t end = sizeof(FileHeader) + sections.size() * sizeof(SectionEntry);
   for (const Section& section : sections) {
     SectionEntry entry;
     entry.kind = section.kind;
-    entry.flags = detail::is_required(section.kind) ? kRequired : kSafeToCopy;
-    entry.stride = detail::known_stride(section.kind, header);
+    entry.flags = detail::usual_flags(section.kind);
+    entry.stride = section.stride != 0 ? section.stride : detail::known_stride(section.kind, header);
     entry.offset = detail::align_section(end);
     entry.stored_bytes = entry.raw_bytes = section.bytes.size();
     entry.count = entry.raw_bytes / entry.stride;

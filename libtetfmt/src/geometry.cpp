@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "cells.hpp"
@@ -81,25 +82,34 @@ class Geometry {
     return report_.valid();
   }
 
-  /// No tetrahedron is flat, and each is oriented as the gluing demands. Sets positive_.
+  /// No tetrahedron is flat, and each is oriented as the gluing demands. Sets orientation_.
   bool check_orientation() {
     std::vector<std::int8_t> found(tets_.size());
-    std::size_t flat = 0, positive = 0;
+    std::size_t flat = 0;
     for (std::size_t t = 0; t < tets_.size(); ++t) {
       const auto [a, b, c, d] = corners(tets_[t]);
       found[t] = static_cast<std::int8_t>(orientation(a, b, c, d));
-      positive += found[t] == topology_.orientation[t];
       if (found[t] != 0) continue;
       ++flat;
       add(Code::flat, t, [&] { return "the four vertices of tet " + str(t) + " lie in a plane"; });
     }
     if (flat > 0) return false;
 
-    positive_ = 2 * positive >= tets_.size();  // the common sign; the few that differ are the wrong ones
-    for (Index t = 0; t < tets_.size(); ++t) {
-      if (found[t] == orientation_of(t)) continue;
-      add(Code::inverted, t,
-          [&] { return "tet " + str(t) + " lies on the same side of a face as its neighbour"; });
+    orientation_ = topology_.orientation;
+    for (std::size_t i = 0; i < topology_.components.size(); ++i) {
+      const std::size_t begin = topology_.components[i];
+      const std::size_t end =
+          i + 1 < topology_.components.size() ? topology_.components[i + 1] : topology_.order.size();
+      const std::span<const Index> component = std::span(topology_.order).subspan(begin, end - begin);
+      std::size_t positive = 0;
+      for (const Index t : component) positive += found[t] == orientation_[t];
+      const bool flip = 2 * positive < component.size();  // the few that differ are the wrong ones
+      for (const Index t : component) {
+        if (flip) orientation_[t] = static_cast<std::int8_t>(-orientation_[t]);
+        if (found[t] == orientation_[t]) continue;
+        add(Code::inverted, t,
+            [&] { return "tet " + str(t) + " lies on the same side of a face as its neighbour"; });
+      }
     }
     for (const std::array<Index, 2>& pair : topology_.twisted) {
       add(Code::inverted, pair[0], [&] {
@@ -110,19 +120,23 @@ class Geometry {
   }
 
   /// Sign of the tetrahedron's vertices taken in ascending order.
-  int orientation_of(Index t) const {
-    return positive_ ? topology_.orientation[t] : -topology_.orientation[t];
-  }
+  int orientation_of(Index t) const { return orientation_[t]; }
 
   /// Sign of (face opposite rank k, taken ascending; apex): the apex has to move past 3 - k ids.
   int apex_side(Index t, std::size_t k) const { return k % 2 == 1 ? orientation_of(t) : -orientation_of(t); }
 
   void check_hull() {
     std::vector<Index> hull_vertices;
-    for (const HullFace& face : view_.hull())
-      hull_vertices.insert(hull_vertices.end(), face.vertices.begin(), face.vertices.end());
-    std::sort(hull_vertices.begin(), hull_vertices.end());
-    hull_vertices.erase(std::unique(hull_vertices.begin(), hull_vertices.end()), hull_vertices.end());
+    if (view_.partial()) {
+      // A vertex beside left-out space need not be surrounded by tetrahedra: all have to be looked at.
+      hull_vertices.resize(points_.size());
+      std::iota(hull_vertices.begin(), hull_vertices.end(), Index{0});
+    } else {
+      for (const HullFace& face : view_.hull())
+        hull_vertices.insert(hull_vertices.end(), face.vertices.begin(), face.vertices.end());
+      std::sort(hull_vertices.begin(), hull_vertices.end());
+      hull_vertices.erase(std::unique(hull_vertices.begin(), hull_vertices.end()), hull_vertices.end());
+    }
 
     for (std::size_t i = 0; i < view_.hull().size(); ++i) {
       const HullFace& face = view_.hull()[i];
@@ -141,27 +155,56 @@ class Geometry {
     }
   }
 
-  void check_overlap() {
-    // Four times the points, so that the centroid has integer coordinates too.
-    const auto times4 = [](const GridPoint& p) { return GridPoint{4 * p[0], 4 * p[1], 4 * p[2]}; };
+  /// A tetrahedron whose centroid no other one may contain, with the centroid in four times the coordinates:
+  /// then it is an integer too.
+  struct Sample {
     GridPoint centroid{};
-    for (const GridPoint& p : corners(tets_[0]))
-      for (std::size_t i = 0; i < 3; ++i) centroid[i] += p[i];
+    Index tet = 0;
+  };
 
-    for (Index t = 1; t < tets_.size(); ++t) {
+  std::vector<Sample> samples() const {
+    std::vector<Index> chosen{0};
+    if (view_.partial())
+      for (const SourceTet& source : view_.sources()) chosen.push_back(source.tet);
+    std::sort(chosen.begin(), chosen.end());
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    std::vector<Sample> result;
+    for (const Index t : chosen) {
+      Sample sample{{}, t};
+      for (const GridPoint& p : corners(tets_[t]))
+        for (std::size_t i = 0; i < 3; ++i) sample.centroid[i] += p[i];
+      result.push_back(sample);
+    }
+    std::sort(result.begin(), result.end(),
+              [](const Sample& a, const Sample& b) { return a.centroid < b.centroid; });
+    return result;
+  }
+
+  void check_overlap() {
+    const auto times4 = [](const GridPoint& p) { return GridPoint{4 * p[0], 4 * p[1], 4 * p[2]}; };
+    const std::vector<Sample> all = samples();
+    for (Index t = 0; t < tets_.size(); ++t) {
       const auto points = corners(tets_[t]);
-      bool apart = false;
-      for (std::size_t i = 0; i < 3 && !apart; ++i) {
-        const auto [low, high] = std::minmax({points[0][i], points[1][i], points[2][i], points[3][i]});
-        apart = centroid[i] < 4 * low || centroid[i] > 4 * high;
+      std::array<std::int32_t, 3> low{}, high{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [least, most] = std::minmax({points[0][i], points[1][i], points[2][i], points[3][i]});
+        low[i] = 4 * least;
+        high[i] = 4 * most;
       }
-      for (std::size_t k = 0; k < 4 && !apart; ++k) {
-        const auto f = face_opposite(tets_[t].vertices, k);
-        apart = orientation(times4(points_[f[0]]), times4(points_[f[1]]), times4(points_[f[2]]), centroid) ==
-                -apex_side(t, k);
+      const auto first = std::lower_bound(all.begin(), all.end(), low[0],
+                                          [](const Sample& s, std::int32_t x) { return s.centroid[0] < x; });
+      for (auto sample = first; sample != all.end() && sample->centroid[0] <= high[0]; ++sample) {
+        const GridPoint& c = sample->centroid;
+        bool apart = sample->tet == t || c[1] < low[1] || c[1] > high[1] || c[2] < low[2] || c[2] > high[2];
+        for (std::size_t k = 0; k < 4 && !apart; ++k) {
+          const auto f = face_opposite(tets_[t].vertices, k);
+          apart = orientation(times4(points_[f[0]]), times4(points_[f[1]]), times4(points_[f[2]]), c) ==
+                  -apex_side(t, k);
+        }
+        if (apart) continue;
+        add(Code::overlap, t,
+            [&] { return "tet " + str(t) + " covers the centroid of tet " + str(sample->tet) + " too"; });
       }
-      if (apart) continue;
-      add(Code::overlap, t, [&] { return "tet " + str(t) + " covers the centroid of tet 0 too"; });
     }
   }
 
@@ -180,11 +223,13 @@ class Geometry {
   }
 
   void check_face(Index side) {
-    const Index t = view_.sides()[side].tet;
     const Index triangle = view_.sides()[side].triangle;
-    const std::size_t k = side_rank_[side];
+    const bool front = view_.sides()[side].tet != kNone;  // else what is in front was left out
+    const Index seen = front ? side : twin(side);
+    const Index t = view_.sides()[seen].tet;
+    const std::size_t k = side_rank_[seen];
     std::array<Index, 3> face = face_opposite(tets_[t].vertices, k);
-    if (apex_side(t, k) < 0) std::swap(face[1], face[2]);  // now its normal points to the front tetrahedron
+    if ((apex_side(t, k) < 0) == front) std::swap(face[1], face[2]);  // now its normal points to the front
     const auto& corner = view_.triangles()[triangle].vertices;
     std::int64_t& remaining = remaining_[triangle];
 
@@ -202,7 +247,8 @@ class Geometry {
           [&] { return "the face of side " + str(side) + " is not a part of triangle " + str(triangle); });
     } else if ((area > 0) != (whole > 0)) {
       add(Code::wrong_side, side, [&] {
-        return "tet " + str(t) + " of front side " + str(side) + " lies behind triangle " + str(triangle);
+        return "tet " + str(t) + " of side " + str(seen) + " lies on the other side of triangle " +
+               str(triangle);
       });
     }
     if (remaining == kUntouched) remaining = std::abs(whole);
@@ -240,7 +286,7 @@ class Geometry {
   const std::vector<std::uint8_t>& side_rank_;
   Report& report_;
   std::vector<GridPoint> points_;
-  bool positive_ = true;
+  std::vector<std::int8_t> orientation_;  ///< topology_.orientation, with each component's sign settled
   /// Of each triangle: the doubled area, projected along its main axis, that no face has covered yet.
   std::vector<std::int64_t> remaining_;
   static constexpr std::int64_t kUntouched = std::numeric_limits<std::int64_t>::max(), kOvercovered = -1;

@@ -24,6 +24,13 @@ Vec cross(const Vec& a, const Vec& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+std::size_t main_axis(const Vec& n) {
+  std::size_t axis = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
+  return axis;
+}
+
 /// The part of the ray that projects into the triangle along `axis` (edge functions are linear in t).
 std::array<double, 2> clip(const std::array<Vec, 3>& to_corner, const Vec& d, std::size_t axis,
                            double orientation) {
@@ -43,9 +50,7 @@ std::array<double, 2> clip(const std::array<Vec, 3>& to_corner, const Vec& d, st
 /// For rays (nearly) in the triangle's plane: the quotient for t has lost its digits, the outline has not.
 [[gnu::noinline, gnu::cold]] TrianglePoint graze(const std::array<Vec, 3>& to_corner, const Vec& d,
                                                  const Vec& n) {
-  std::size_t axis = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
+  const std::size_t axis = main_axis(n);
   const auto [first, last] = clip(to_corner, d, axis, n[axis] > 0 ? 1 : -1);
   TrianglePoint point;
   const double quotient = dot(n, to_corner[0]) / dot(n, d);
@@ -60,6 +65,22 @@ std::array<double, 2> clip(const std::array<Vec, 3>& to_corner, const Vec& d, st
 }
 
 }  // namespace
+
+TrianglePoint from_piece(const TrianglePoint& at, const std::array<Vec3f, 3>& piece,
+                         const std::array<Vec3f, 3>& whole) {
+  const Vec a = vec(whole[0]), ab = vec(whole[1]) - a, ac = vec(whole[2]) - a;
+  const Vec p = vec(piece[0]) - a, q = vec(piece[1]) - a, r = vec(piece[2]) - a;
+  const Vec n = cross(ab, ac);
+  const std::size_t axis = main_axis(n), i = (axis + 1) % 3, j = (axis + 2) % 3;
+  const auto blend = [&](std::size_t k) { return (1 - at.u - at.v) * p[k] + at.u * q[k] + at.v * r[k]; };
+  const double x = blend(i), y = blend(j);
+  TrianglePoint point;
+  point.t = at.t;
+  if (n[axis] == 0) return point;
+  point.u = std::clamp((x * ac[j] - y * ac[i]) / n[axis], 0.0, 1.0);
+  point.v = std::clamp((ab[i] * y - ab[j] * x) / n[axis], 0.0, 1.0 - point.u);
+  return point;
+}
 
 TrianglePoint intersect(const Vec3f& origin, const Vec3f& direction, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "tetfmt/traverse.hpp"
+#include <queue>
+#include <unordered_set>
 
+#include "tetfmt/traverse.hpp"
 #include "walk.hpp"
 
 namespace tetfmt {
@@ -64,6 +66,7 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
     }
     const Index beyond = twin(side_index(ref));
     if (beyond >= sides.size()) return {};
+    if (sides[beyond].tet == kNone) result.state = Location::State::absent;  // as far as this walk can tell
     return {sides[beyond].tet, side_ref(beyond)};
   };
   const Continue start = go_on(from.tet, exit->ref);
@@ -77,6 +80,74 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
         return go_on(leaving.tet, leaving.ref);
       });
   return steps ? result : Location{};
+}
+
+/// Whether the perturbed tetrahedron contains the point.
+bool contains(const FileView& view, const Cell& cell, const Vec3d& point) {
+  const auto corner = [&](std::size_t k) {
+    return Corner{view.vertices()[cell.vertices[k]], cell.vertices[k]};
+  };
+  const bool positive = is_positive(view, cell);
+  return std::all_of(kOutwardFaces.begin(), kOutwardFaces.end(), [&](const auto& f) {
+    return behind(corner(f[0]), corner(f[1]), corner(f[2]), point) == positive;
+  });
+}
+
+/// Where a straight walk is stopped by left-out space: a search around it, tetrahedra nearest to the point
+/// first. What the file does not hold is only known after looking at all of it.
+template <class Cells>
+Location search(const FileView& view, const Cells& cells, const Cell& from, const Vec3d& point) {
+  struct Candidate {
+    double distance;
+    Cell cell;
+    bool operator<(const Candidate& other) const { return distance > other.distance; }
+  };
+  std::priority_queue<Candidate> queue;
+  std::unordered_set<Index> reached;
+  bool sound = true;
+  const auto reach = [&](const Cell& cell) {
+    if (!in_range(view, cell)) {
+      sound = false;
+    } else if (reached.insert(cell.tet).second) {
+      double distance = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        double middle = 0;
+        for (const Index id : cell.vertices) middle += to_vec3d(view.vertices()[id])[i] / 4;
+        distance += (middle - point[i]) * (middle - point[i]);
+      }
+      queue.push({distance, cell});
+    }
+  };
+  reach(from);
+  for (const SourceTet& source : view.sources()) reach({source.tet, source.vertices, source.neighbors});
+
+  while (!queue.empty()) {
+    const Cell cell = queue.top().cell;
+    queue.pop();
+    if (contains(view, cell, point)) return inside(cell);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Ref ref = cell.neighbors[k];
+      Index next = ref;
+      Ref previous = cell.tet;
+      if (ref == kHull) continue;
+      if (is_side(ref)) {
+        const Index beyond = twin(side_index(ref));
+        if (beyond >= view.sides().size()) return {};
+        next = view.sides()[beyond].tet;
+        previous = side_ref(beyond);
+        if (next == kNone) continue;
+      }
+      if (next >= view.tet_count()) return {};
+      if (reached.contains(next)) continue;
+      const auto face = face_opposite(cell.vertices, k);
+      const Index apex = cells.vertex_xor(next) ^ face[0] ^ face[1] ^ face[2];
+      const std::size_t apex_rank = rank(apex, face[0], face[1], face[2]);
+      reach({next, insert_apex(face, apex, apex_rank), cells.neighbors(next, previous, apex_rank)});
+    }
+  }
+  Location location;
+  if (sound) location.state = Location::State::absent;
+  return location;
 }
 
 template <class Cells>
@@ -101,6 +172,14 @@ Location locate_in(const FileView& view, Vec3f point, const Cell* from) {
   if (!in_range(view, start)) return {};
   with_cells(view, [&](const auto& cells) {
     location = walk_to<kChecked>(view, cells, start, to_vec3d(point));
+    if (location.state == Location::State::absent) {
+      find_entrances(view, cells, to_vec3d(point), location);
+      if (location.entrance_count > 0) {
+        location.state = Location::State::outside;
+        return;
+      }
+      location = search(view, cells, start, to_vec3d(point));
+    }
     if (location.state == Location::State::inside) location.positive = is_positive(view, location.cell);
     if (location.state == Location::State::outside) find_entrances(view, cells, to_vec3d(point), location);
   });

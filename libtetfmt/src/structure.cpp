@@ -12,6 +12,35 @@ namespace {
 
 constexpr std::array kRequiredKinds = {kSources, kHullFaces, kVertices, kTets, kSides, kTriangles};
 
+struct OptionalKind {
+  SectionKind kind;
+  std::uint32_t stride;
+  std::uint16_t flags;  ///< the reference writer's
+};
+/// What only speaks of input triangles is still true when tetrahedra and vertices are rewritten.
+constexpr OptionalKind kOptionalKinds[] = {{kMetadata, 1, kSafeToCopy},
+                                           {kRegions, sizeof(Region), 0},
+                                           {kOrigins, sizeof(Index), 0},
+                                           {kInputTriangles, sizeof(Triangle), 0},
+                                           {kTexts, 1, kSafeToCopy},
+                                           {kMaterials, sizeof(Material), kSafeToCopy},
+                                           {kObjects, sizeof(Object), kSafeToCopy},
+                                           {kTriangleObjects, sizeof(Index), kSafeToCopy},
+                                           {kCorners, 3 * sizeof(Index), kSafeToCopy},
+                                           {kNormals, 3 * sizeof(float), kSafeToCopy},
+                                           {kTexcoords, 2 * sizeof(float), kSafeToCopy},
+                                           {kColors, 4 * sizeof(float), kSafeToCopy},
+                                           {kProperties, sizeof(Property), kSafeToCopy},
+                                           {kPropertyValues, sizeof(double), kSafeToCopy},
+                                           {kDracoSurface, 1, kSafeToCopy}};
+
+const OptionalKind* optional_kind(SectionKind kind) {
+  const auto* const end = std::end(kOptionalKinds);
+  const auto* const found = std::find_if(
+      std::begin(kOptionalKinds), end, [&](const OptionalKind& candidate) { return candidate.kind == kind; });
+  return found == end ? nullptr : found;
+}
+
 std::string kind_text(SectionKind kind) {
   std::string text = "'....'";
   for (unsigned i = 0; i < 4; ++i) {
@@ -62,7 +91,7 @@ bool check_header(std::span<const std::byte> bytes, const Limits& limits, Report
   if (header.grid_exponent < -149 || header.grid_exponent > 103)
     bad(88, "grid_exponent", header.grid_exponent, "from -149 to 103");
   if (header.minor <= kMinor) {  // a newer minor version may have given these a meaning
-    if (header.flags != 0) bad(92, "flags", header.flags, "0");
+    if (header.flags & ~kPartial) bad(92, "flags", header.flags, "0 or 1");
     for (std::size_t i = 0; i < header.reserved.size(); ++i)
       if (header.reserved[i] != 0) bad(96 + 8 * i, "reserved", header.reserved[i], "0");
   }
@@ -104,7 +133,7 @@ void check_entry(const SectionEntry& entry, std::uint64_t where, const FileHeade
     });
   };
   const bool required = is_required(entry.kind);
-  const bool known = required || entry.kind == kMaterials || entry.kind == kMetadata;
+  const bool known = required || optional_kind(entry.kind) != nullptr;
   if (!known && (entry.flags & kRequired)) {
     add_issue(report, Code::unknown_required_section, where, [&] {
       return "section " + kind_text(entry.kind) + " is marked as required and unknown to this version";
@@ -162,6 +191,11 @@ bool is_required(SectionKind kind) {
   return std::find(kRequiredKinds.begin(), kRequiredKinds.end(), kind) != kRequiredKinds.end();
 }
 
+std::uint16_t usual_flags(SectionKind kind) {
+  const OptionalKind* const optional = optional_kind(kind);
+  return optional ? optional->flags : is_required(kind) ? kRequired : kSafeToCopy;
+}
+
 std::uint32_t known_stride(SectionKind kind, const FileHeader& header) {
   switch (kind) {
     case kVertices:
@@ -176,11 +210,11 @@ std::uint32_t known_stride(SectionKind kind, const FileHeader& header) {
       return sizeof(Triangle);
     case kHullFaces:
       return sizeof(HullFace);
-    case kMetadata:
-      return 1;
     default:
-      return 0;
+      break;
   }
+  const OptionalKind* const optional = optional_kind(kind);
+  return optional ? optional->stride : 0;
 }
 
 std::span<const SectionEntry> table_of_contents(std::span<const std::byte> bytes) {
@@ -229,13 +263,15 @@ void check_structure(std::span<const std::byte> bytes, const Limits& limits, Rep
     add_issue(report, Code::file_length, end,
               [&] { return "the last section ends at " + str(end) + ", the file at " + str(bytes.size()); });
   }
-  for (const SectionKind kind : kRequiredKinds) {
-    if (std::none_of(sections.begin(), sections.end(),
-                     [&](const auto& entry) { return entry.kind == kind; })) {
-      add_issue(report, Code::missing_section, 128,
-                [&] { return "required section " + kind_text(kind) + " is missing"; });
-    }
-  }
+  const auto demand = [&](SectionKind kind) {
+    if (std::any_of(sections.begin(), sections.end(), [&](const auto& entry) { return entry.kind == kind; }))
+      return;
+    add_issue(report, Code::missing_section, 128,
+              [&] { return "required section " + kind_text(kind) + " is missing"; });
+  };
+  for (const SectionKind kind : kRequiredKinds) demand(kind);
+  // Without a hull, nothing else would tell where the mesh is.
+  if (header.flags & kPartial) demand(kRegions);
   check_counts(sections, header, report);
 }
 

@@ -24,5 +24,7 @@ constexpr std::uint64_t align_section(std::uint64_t offset) {
 /// The stride of a kind that this version knows, 0 for all others.
 std::uint32_t known_stride(SectionKind kind, const FileHeader& header);
 bool is_required(SectionKind kind);
+/// The flags that the reference writer gives a section.
+std::uint16_t usual_flags(SectionKind kind);
 
 }  // namespace tetfmt::detail

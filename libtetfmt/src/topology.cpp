@@ -39,13 +39,13 @@ class Walk {
     verified_.resize(tet_count);
     side_uses_.resize(view_.sides().size());
     hull_seen_.resize(view_.hull().size());
-    queue_.reserve(tet_count);
+    topology_.order.reserve(tet_count);
 
     for (std::size_t i = 0; i < view_.sources().size(); ++i) {
       start_from(i);
-      // Everything that this source reaches, before the next one starts: the orientations of what two sources
-      // reach are relative to the first.
-      for (; visited_ < queue_.size(); ++visited_) visit(queue_[visited_]);
+      // Everything that this source reaches, before the next one starts: orientations are relative to it.
+      if (visited_ < topology_.order.size()) topology_.components.push_back(visited_);
+      for (; visited_ < topology_.order.size(); ++visited_) visit(topology_.order[visited_]);
     }
     check_tables();
     if (report_.valid()) check_reached();  // after any other problem these would only repeat it
@@ -86,7 +86,7 @@ class Walk {
   void reach(Index t, const FullTet& tet, int orientation) {
     topology_.tets[t] = tet;
     topology_.orientation[t] = static_cast<std::int8_t>(orientation);
-    queue_.push_back(t);
+    topology_.order.push_back(t);
   }
 
   void visit(Index t) {
@@ -135,6 +135,7 @@ class Walk {
       });
     }
     const Index beyond = sides[twin(side)].tet;
+    if (beyond == kNone && view_.partial()) return;  // check_tables() looks at those
     if (beyond >= view_.tet_count()) {
       add(Code::reference_range, twin(side),
           [&] { return "side " + str(twin(side)) + " names tet " + str(beyond) + ", which does not exist"; });
@@ -234,6 +235,7 @@ class Walk {
       }
     }
     const auto sides = view_.sides();
+    std::size_t absent = 0;
     for (Index i = 0; i < sides.size(); ++i) {
       const Side& side = sides[i];
       if (side.triangle >= triangles.size() || triangles[side.triangle].dropped()) {
@@ -255,12 +257,25 @@ class Walk {
                  str(other.material);
         });
       }
+      if (side.tet == kNone && view_.partial()) {
+        ++absent;
+        if (i % 2 == 1 && other.tet == kNone) {
+          add(Code::partial_mismatch, i,
+              [&] { return "sides " + str(twin(i)) + " and " + str(i) + " both have no tetrahedron"; });
+        }
+        if (side_uses_[i] == 0) continue;
+      }
       if (side_uses_[i] != 1) {
         add(Code::side_unreferenced, i, [&] {
           return "side " + str(i) + " is referred to by " +
                  (side_uses_[i] ? "several faces" : "no tetrahedron");
         });
       }
+    }
+    if (view_.partial() && absent == 0) {
+      add(Code::partial_mismatch, 92, [&] {
+        return std::string("the header says that tetrahedra were left out, but every side has one");
+      });
     }
     for (std::size_t i = 0; i < hull_seen_.size(); ++i) {
       if (hull_seen_[i]) continue;
@@ -293,8 +308,7 @@ class Walk {
   Topology topology_;
   std::vector<std::uint8_t> verified_;  ///< of each tetrahedron, a bit a face
   std::vector<std::uint8_t> side_uses_, hull_seen_;
-  std::vector<Index> queue_;  ///< every tetrahedron reached, in that order
-  std::size_t visited_ = 0;   ///< how many of them have been visited
+  std::size_t visited_ = 0;  ///< how many of topology_.order have been visited
 };
 
 }  // namespace

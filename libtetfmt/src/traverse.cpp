@@ -75,9 +75,9 @@ Hit hit_on(const FileView& view, const Ray& ray, Index tet, Ref ref, std::uint32
   if (ref == kHull) return hit;
   hit.side = side_index(ref);
   if (hit.side >= view.sides().size() || twin(hit.side) >= view.sides().size()) return corrupt_hit();
-  hit.triangle = view.sides()[hit.side].triangle;
-  if (hit.triangle >= view.triangles().size()) return corrupt_hit();
-  const auto& corner = view.triangles()[hit.triangle].vertices;
+  const Index triangle = view.sides()[hit.side].triangle;
+  if (triangle >= view.triangles().size()) return corrupt_hit();
+  const auto& corner = view.triangles()[triangle].vertices;
   if (std::max({corner[0], corner[1], corner[2]}) >= view.vertices().size()) return corrupt_hit();
 
   hit.outcome = Outcome::hit;
@@ -85,8 +85,18 @@ Hit hit_on(const FileView& view, const Ray& ray, Index tet, Ref ref, std::uint32
   hit.tet = tet;
   hit.neighbor = view.sides()[twin(hit.side)].tet;
   const auto points = view.vertices();
-  const TrianglePoint at =
+  TrianglePoint at =
       intersect(ray.origin, ray.direction, points[corner[0]], points[corner[1]], points[corner[2]]);
+  hit.triangle = triangle;
+  if (!view.origins().empty()) {
+    if (triangle >= view.origins().size()) return corrupt_hit();
+    hit.triangle = view.origins()[triangle];
+    if (hit.triangle >= view.input_triangles().size()) return corrupt_hit();
+    const auto& whole = view.input_triangles()[hit.triangle].vertices;
+    if (std::max({whole[0], whole[1], whole[2]}) < points.size() && whole != corner)
+      at = from_piece(at, {points[corner[0]], points[corner[1]], points[corner[2]]},
+                      {points[whole[0]], points[whole[1]], points[whole[2]]});
+  }
   hit.t = at.t;
   hit.u = at.u;
   hit.v = at.v;
@@ -127,6 +137,11 @@ Hit trace(const FileView& view, const Cells& cells, const Ray& ray, const Line& 
 template <bool kChecked>
 Hit first_hit_in(const FileView& view, const Ray& ray, const Location& start, Kernel kernel) {
   if (start.state == Location::State::corrupt) return corrupt_hit();
+  if (start.state == Location::State::absent) {
+    Hit hit;
+    hit.outcome = Outcome::absent;
+    return hit;
+  }
   Line line;
   line.origin = to_vec3d(ray.origin);
   line.direction = to_vec3d(ray.direction);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tetfmt/validate.hpp"
 
+#include "check_attributes.hpp"
 #include "geometry.hpp"
 #include "hash.hpp"
+#include "regions.hpp"
 #include "report.hpp"
 #include "structure.hpp"
 #include "topology.hpp"
@@ -48,13 +50,17 @@ Report validate(std::span<const std::byte> bytes, Level level, const Limits& lim
   report.level = Level::topology;
   Report topology_report;
   const detail::Topology topology = detail::check_topology(view, topology_report);
-  const bool sound = topology_report.valid();
+  bool sound = topology_report.valid();
+  detail::check_attributes(view, topology_report);
+  if (sound) detail::check_regions(view, topology, topology_report);
+  sound = topology_report.valid();
   report.issues.merge(topology_report.issues);
   if (level == Level::topology || !sound) return report;
 
   report.level = Level::geometry;
   Report geometry_report;
   detail::check_geometry(view, topology, geometry_report);
+  if (geometry_report.valid()) detail::check_region_measures(view, topology, geometry_report);
   report.issues.merge(geometry_report.issues);
   return report;
 }

@@ -36,6 +36,13 @@ Result<FileView> FileView::open(std::span<const std::byte> bytes, const Limits& 
   view.origins_ = typed<Index>(view.section(kOrigins));
   view.input_triangles_ = typed<Triangle>(view.section(kInputTriangles));
   view.regions_ = typed<Region>(view.section(kRegions));
+  if (view.partial()) {
+    for (const Region& region : view.regions_) {
+      view.bounds_.add(region.lower);
+      view.bounds_.add(region.upper);
+    }
+    return view;
+  }
   for (const HullFace& face : view.hull_) {
     for (const Index id : face.vertices) {
       if (id < view.vertices_.size()) view.bounds_.add(view.vertices_[id]);
@@ -44,16 +51,20 @@ Result<FileView> FileView::open(std::span<const std::byte> bytes, const Limits& 
   return view;
 }
 
-std::span<const std::byte> FileView::section(SectionKind kind) const {
+const SectionEntry* FileView::find(SectionKind kind) const {
   for (const SectionEntry& entry : sections_)
-    if (entry.kind == kind) return bytes_.subspan(entry.offset, entry.stored_bytes);
-  return {};
+    if (entry.kind == kind) return &entry;
+  return nullptr;
+}
+
+std::span<const std::byte> FileView::section(SectionKind kind) const {
+  const SectionEntry* const entry = find(kind);
+  return entry ? bytes_.subspan(entry->offset, entry->stored_bytes) : std::span<const std::byte>{};
 }
 
 std::uint64_t FileView::material_count() const {
-  for (const SectionEntry& entry : sections_)
-    if (entry.kind == kMaterials) return entry.count;
-  return 1;
+  const SectionEntry* const entry = find(kMaterials);
+  return entry ? entry->count : 1;
 }
 
 }  // namespace tetfmt

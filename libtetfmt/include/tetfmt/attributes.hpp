@@ -20,11 +20,11 @@ struct SurfaceAttributes {
 
   std::span<const Material> materials;  ///< what Side::material counts
   std::span<const Object> objects;
-  std::span<const Index> triangle_objects;           ///< of each input triangle
-  std::span<const std::array<Index, 3>> corners;     ///< surface points of each input triangle; kNone: none
-  std::span<const std::array<float, 3>> normals;     ///< of each surface point; NaN: this one has none
-  std::span<const std::array<float, 2>> texcoords;   ///< NaN likewise
-  std::span<const std::array<float, 4>> colors;      ///< NaN likewise
+  std::span<const Index> triangle_objects;          ///< of each input triangle
+  std::span<const std::array<Index, 3>> corners;    ///< surface points of each input triangle; kNone: none
+  std::span<const std::array<float, 3>> normals;    ///< of each surface point; NaN: this one has none
+  std::span<const std::array<float, 2>> texcoords;  ///< NaN likewise
+  std::span<const std::array<float, 4>> colors;     ///< NaN likewise
   std::span<const Property> properties;
   std::span<const double> property_values;  ///< properties x surface points, one property after the other
 

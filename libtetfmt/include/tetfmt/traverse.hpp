@@ -64,7 +64,9 @@ struct Location {
 
 /// Finds the tetrahedron that contains `point` (local coordinates) by a straight walk from `from`, or from
 /// the file's first source tet; constrained faces are crossed by their twins. Exact. At most tet_count + 1
-/// steps.
+/// steps. In a partial file, space that was left out may stop the walk; then the tetrahedra around are
+/// searched, nearest first: O(tets log tets) time and memory at worst, which a point in left-out space always
+/// costs.
 Location locate(const FileView& view, Vec3f point, const Cell* from = nullptr);
 Location locate(const TrustedView& view, Vec3f point, const Cell* from = nullptr);
 

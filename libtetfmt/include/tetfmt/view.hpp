@@ -50,9 +50,12 @@ class FileView {
   std::span<const Region> regions() const { return regions_; }
   /// True if tetrahedra were left out, so that some sides have none.
   bool partial() const { return (header().flags & kPartial) != 0; }
+  /// A section's entry; null if the file has none of this kind. O(sections).
+  const SectionEntry* find(SectionKind kind) const;
   /// The stored bytes of a section; empty if the file has none of this kind.
   std::span<const std::byte> section(SectionKind kind) const;
-  /// The box around the hull's vertices: around everything, if the file is valid. O(1).
+  /// The box around the hull's vertices (of a partial file, its regions): around everything, if the file is
+  /// valid. O(1).
   const Bounds& bounds() const { return bounds_; }
   /// Materials that sides may name: the MATL section's count, or 1 (a default) without one.
   std::uint64_t material_count() const;
