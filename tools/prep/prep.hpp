@@ -115,9 +115,10 @@ TriangleSoup read_soup(const std::string& path);
 TriangleSoup merge_soups(std::vector<TriangleSoup> soups);
 
 /// Puts the surface on a power-of-two grid of about 2^21 steps over its extent. If all coordinates lie on
-/// such a grid already (of at most 2^22 steps), none changes by a bit. Failure (invalid): nothing with an
-/// area is left; (unsupported): coordinates too large or too small for float32. O(n log n).
-CleanSurface snap(const TriangleSoup& soup);
+/// such a grid already (of at most 2^22 steps), none changes by a bit. `coarser_bits`: of about
+/// 2^(21 - coarser_bits) steps instead, whatever the coordinates are. Failure (invalid): nothing with an area
+/// is left; (unsupported): coordinates too large or too small for float32. O(n log n).
+CleanSurface snap(const TriangleSoup& soup, int coarser_bits = 0);
 
 /// Encloses the surface in a box and fills it with tetrahedra, among whose faces is every triangle as it is.
 /// Throws Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen

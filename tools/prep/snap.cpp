@@ -54,11 +54,13 @@ Extent extent_of(const TriangleSoup& soup, const std::vector<bool>& used) {
   return extent;
 }
 
-/// The grid's exponent: fine enough for Steiner points, and never coarser than coordinates that allow it.
-int choose_exponent(const Extent& extent) {
+/// The grid's exponent: fine enough for Steiner points, and never coarser than coordinates that allow it,
+/// unless it is asked to be.
+int choose_exponent(const Extent& extent, int coarser_bits) {
   int over = 0;  // 2^over is the least power of two that is not below the extent
   if (std::frexp(extent.largest, &over) == 0.5) --over;
-  const int fresh = over - kStepBits;
+  const int fresh = over - kStepBits + coarser_bits;
+  if (coarser_bits > 0) return fresh;
   if (extent.lowest_bit >= fresh) return fresh;
   return extent.largest <= std::ldexp(1.0, extent.lowest_bit + kMostStepBits) ? extent.lowest_bit : fresh;
 }
@@ -176,21 +178,21 @@ bool has_area(const Point& a, const Point& b, const Point& c) {
   return length({s[1] * t[2] - s[2] * t[1], s[2] * t[0] - s[0] * t[2], s[0] * t[1] - s[1] * t[0]}) > 1e-12;
 }
 
-[[noreturn]] void fail_without_area(const TriangleSoup& soup, int grid_exponent) {
+[[noreturn]] void fail_without_area(const TriangleSoup& soup, int grid_exponent, int coarser_bits) {
   const std::string count = std::to_string(soup.triangles.size());
   const bool lost_on_grid = std::any_of(soup.triangles.begin(), soup.triangles.end(), [&](const auto& t) {
     return has_area(soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]);
   });
   if (!lost_on_grid) throw Failure(ExitCode::invalid, "none of the " + count + " triangles has an area");
-  throw Failure(ExitCode::invalid, "none of the " + count +
-                                       " triangles keeps an area: smaller than the grid step " +
-                                       number(std::ldexp(1.0, grid_exponent)) +
-                                       " (extent / 2^21); split the scene or scale its parts");
+  throw Failure(ExitCode::invalid,
+                "none of the " + count + " triangles keeps an area: smaller than the grid step " +
+                    number(std::ldexp(1.0, grid_exponent)) + " (extent / 2^" +
+                    std::to_string(kStepBits - coarser_bits) + "); split the scene or scale its parts");
 }
 
 }  // namespace
 
-CleanSurface snap(const TriangleSoup& soup) {
+CleanSurface snap(const TriangleSoup& soup, int coarser_bits) {
   std::vector<bool> used(soup.points.size(), false);
   for (const auto& triangle : soup.triangles)
     for (const Index corner : triangle) used[corner] = true;
@@ -199,7 +201,7 @@ CleanSurface snap(const TriangleSoup& soup) {
   surface.input_triangle_count = static_cast<Index>(soup.triangles.size());
   const Extent extent = extent_of(soup, used);
   if (extent.largest == 0) throw Failure(ExitCode::invalid, "all points of the surface are one and the same");
-  if (std::isfinite(extent.largest)) surface.grid_exponent = choose_exponent(extent);
+  if (std::isfinite(extent.largest)) surface.grid_exponent = choose_exponent(extent, coarser_bits);
   if (!std::isfinite(extent.largest) || surface.grid_exponent < kLeastExponent ||
       surface.grid_exponent > kMostExponent)
     throw Failure(ExitCode::unsupported, "the surface's extent, " + number(extent.largest) +
@@ -207,7 +209,7 @@ CleanSurface snap(const TriangleSoup& soup) {
   surface.origin = choose_origin(extent, std::ldexp(1.0, surface.grid_exponent));
   const std::vector<Index> first = place_points(soup, used, surface);
   keep_sound_triangles(soup, first, surface);
-  if (surface.triangles.empty()) fail_without_area(soup, surface.grid_exponent);
+  if (surface.triangles.empty()) fail_without_area(soup, surface.grid_exponent, coarser_bits);
   return surface;
 }
 
