@@ -15,7 +15,7 @@ Cell source_cell(const FileView& view) {
   return {source.tet, source.vertices, source.neighbors};
 }
 
-Location inside(const Cell& cell) {
+Location located(const Cell& cell) {
   Location location;
   location.state = Location::State::inside;
   location.cell = cell;
@@ -46,7 +46,7 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
   line.toward = point;
   line.through_point = true;
   for (std::size_t i = 0; i < 3; ++i) line.direction[i] = point[i] - line.origin[i];
-  if (line.direction == Vec3d{}) return inside(from);
+  if (line.direction == Vec3d{}) return located(from);
 
   const ExactSigns signs(line, view.bounds(), vertices);
   const std::optional<Passage> exit = exit_of(view, signs, from, is_positive(view, from));
@@ -54,7 +54,7 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
   const auto before = [&](const std::array<Index, 3>& f) {
     return behind({vertices[f[0]], f[0]}, {vertices[f[1]], f[1]}, {vertices[f[2]], f[2]}, point);
   };
-  if (before(exit->ids)) return inside(from);
+  if (before(exit->ids)) return located(from);
 
   const auto sides = view.sides();
   Location result;
@@ -74,12 +74,17 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
   const auto steps =
       walk<kChecked>(view, cells, signs, start.tet, start.previous, exit->ids, [&](const Leaving& leaving) {
         if (before(leaving.ids)) {
-          result = inside(full_cell(cells, leaving));
+          result = located(full_cell(cells, leaving));
           return Continue{};
         }
         return go_on(leaving.tet, leaving.ref);
       });
   return steps ? result : Location{};
+}
+
+bool in_bounds(const Bounds& bounds, const Vec3f& p) {
+  return p.x >= bounds.lower.x && p.x <= bounds.upper.x && p.y >= bounds.lower.y && p.y <= bounds.upper.y &&
+         p.z >= bounds.lower.z && p.z <= bounds.upper.z;
 }
 
 /// Whether the perturbed tetrahedron contains the point.
@@ -124,7 +129,7 @@ Location search(const FileView& view, const Cells& cells, const Cell& from, cons
   while (!queue.empty()) {
     const Cell cell = queue.top().cell;
     queue.pop();
-    if (contains(view, cell, point)) return inside(cell);
+    if (contains(view, cell, point)) return located(cell);
     for (std::size_t k = 0; k < 4; ++k) {
       const Ref ref = cell.neighbors[k];
       Index next = ref;
@@ -172,16 +177,14 @@ Location locate_in(const FileView& view, Vec3f point, const Cell* from) {
   if (!in_range(view, start)) return {};
   with_cells(view, [&](const auto& cells) {
     location = walk_to<kChecked>(view, cells, start, to_vec3d(point));
-    if (location.state == Location::State::absent) {
-      find_entrances(view, cells, to_vec3d(point), location);
-      if (location.entrance_count > 0) {
-        location.state = Location::State::outside;
-        return;
-      }
+    using enum Location::State;
+    if (location.state == absent && in_bounds(view.bounds(), point))
       location = search(view, cells, start, to_vec3d(point));
-    }
-    if (location.state == Location::State::inside) location.positive = is_positive(view, location.cell);
-    if (location.state == Location::State::outside) find_entrances(view, cells, to_vec3d(point), location);
+    if (location.state == inside) location.positive = is_positive(view, location.cell);
+    if (location.state == outside || location.state == absent)
+      find_entrances(view, cells, to_vec3d(point), location);
+    // Whoever is in no tetrahedron and sees the hull is outside, not in left-out space.
+    if (location.state == absent && location.entrance_count > 0) location.state = outside;
   });
   return location;
 }

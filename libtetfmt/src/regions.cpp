@@ -50,6 +50,7 @@ void check_regions(const FileView& view, const Topology& topology, Report& repor
     const Region& region = regions[i];
     if (region.reserved != 0) bad_table(i, "the reserved word is not zero");
     if (i > 0 && region.id <= regions[i - 1].id) bad_table(i, "ids do not ascend");
+    if (region.id > kMaxCount) bad_table(i, "its id is out of range");
     if (region.first_tet != end) bad_table(i, "starts at tet " + str(region.first_tet) + ", not " + str(end));
     if (region.tet_count == 0) bad_table(i, "has no tets");
     end = std::uint64_t{region.first_tet} + region.tet_count;

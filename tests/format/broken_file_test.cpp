@@ -40,6 +40,39 @@ Bytes remeshed(const std::function<void(Mesh&)>& edit) {
   return tetfmt::encode(mesh, Layout::tet20);
 }
 
+tetfmt::OptionalSection& part(Mesh& mesh, tetfmt::SectionKind kind) {
+  for (tetfmt::OptionalSection& section : mesh.optional)
+    if (section.kind == kind) return section;
+  throw std::out_of_range("part: no such section");
+}
+
+void drop(Mesh& mesh, tetfmt::SectionKind kind) {
+  std::erase_if(mesh.optional, [&](const auto& section) { return section.kind == kind; });
+}
+
+/// A 32-bit word of an optional section.
+std::uint32_t& word(Mesh& mesh, tetfmt::SectionKind kind, std::size_t index) {
+  return at<std::uint32_t>(part(mesh, kind).bytes, 4 * index);
+}
+
+/// A valid mesh with every optional section, edited before it is encoded.
+Bytes attributed(const std::function<void(Mesh&)>& edit) {
+  Mesh mesh = attributed_mesh();
+  edit(mesh);
+  return tetfmt::encode(mesh, Layout::tet20);
+}
+
+/// The same, its region table edited.
+Bytes regioned(const std::function<void(std::vector<tetfmt::Region>&)>& edit) {
+  return attributed([&](Mesh& mesh) {
+    auto& bytes = part(mesh, tetfmt::kRegions).bytes;
+    std::vector<tetfmt::Region> table(bytes.size() / sizeof(tetfmt::Region));
+    std::memcpy(table.data(), bytes.data(), bytes.size());
+    edit(table);
+    part(mesh, tetfmt::kRegions) = optional_section(tetfmt::kRegions, sizeof(tetfmt::Region), table);
+  });
+}
+
 tetfmt::Tet20& cell(Bytes& bytes, Index t) {
   return element<tetfmt::Tet20>(bytes, tetfmt::kTets, t);
 }
@@ -99,7 +132,9 @@ const std::vector<Case>& cases() {
       {Code::header_field, "odd sides", [] { return edited([](Bytes& b) { --header(b).side_count; }); }},
       {Code::header_field, "no source", [] { return edited([](Bytes& b) { header(b).source_count = 0; }); }},
       {Code::header_field, "grid", [] { return edited([](Bytes& b) { header(b).grid_exponent = 104; }); }},
-      {Code::header_field, "flags", [] { return edited([](Bytes& b) { header(b).flags = 1; }); }},
+      {Code::header_field, "flags", [] { return edited([](Bytes& b) { header(b).flags = 2; }); }},
+      {Code::missing_section, "partial without regions",
+       [] { return edited([](Bytes& b) { header(b).flags = 1; }); }},
       {Code::header_field, "reserved", [] { return edited([](Bytes& b) { header(b).reserved[1] = 1; }); }},
       {Code::file_length, "one byte missing", [] { return edited([](Bytes& b) { b.pop_back(); }); }},
       {Code::file_length, "a byte that no section has",
@@ -454,12 +489,116 @@ const std::vector<Case>& cases() {
          mesh.sides.resize(last);
          return encode(mesh, Layout::tet20);
        }},
+      {Code::partial_mismatch, "nothing was left out",
+       [] {
+         Bytes bytes = encode(region_mesh(3, {0, 1}), Layout::tet20);
+         header(bytes).flags = 1;
+         rehash(bytes);
+         return bytes;
+       }},
+      {Code::partial_mismatch, "a face without any tet",
+       [] {
+         Mesh mesh = region_mesh(3, {0});
+         mesh.sides.insert(mesh.sides.end(), {{kNone, 0, 0}, {kNone, 0, 0}});
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::reference_range, "a side without a tet in a whole file",
+       [] {
+         Bytes bytes = encode(region_mesh(3, {0}), Layout::tet20);
+         header(bytes).flags = 0;
+         rehash(bytes);
+         return bytes;
+       }},
+      {Code::region_table, "a gap",
+       [] { return regioned([](std::vector<Region>& r) { ++r[1].first_tet, --r[1].tet_count; }); }},
+      {Code::region_table, "too short",
+       [] { return regioned([](std::vector<Region>& r) { r.pop_back(); }); }},
+      {Code::region_table, "no entries", [] { return regioned([](std::vector<Region>& r) { r.clear(); }); }},
+      {Code::region_table, "past the end",
+       [] { return regioned([](std::vector<Region>& r) { ++r[1].tet_count; }); }},
+      {Code::region_table, "without tets",
+       [] {
+         return regioned([](std::vector<Region>& r) {
+           r.push_back(r[1]);
+           r[2].id = 2;
+           r[2].first_tet += r[2].tet_count;
+           r[2].tet_count = 0;
+         });
+       }},
+      {Code::region_table, "ids descend",
+       [] { return regioned([](std::vector<Region>& r) { r[0].id = 1; }); }},
+      {Code::region_table, "reserved",
+       [] { return regioned([](std::vector<Region>& r) { r[1].reserved = 1; }); }},
+      {Code::region_extent, "a tet in the wrong region",
+       [] {
+         return regioned([](std::vector<Region>& r) {
+           --r[0].tet_count;
+           --r[1].first_tet;
+           ++r[1].tet_count;
+         });
+       }},
+      {Code::region_extent, "two spaces as one",
+       [] {
+         return regioned([](std::vector<Region>& r) {
+           r[0].tet_count += r[1].tet_count;
+           r.pop_back();
+         });
+       }},
+      {Code::region_extent, "the hull is not in region 0",
+       [] { return regioned([](std::vector<Region>& r) { r[0].id = 1, r[1].id = 2; }); }},
+      {Code::region_measure, "volume",
+       [] { return regioned([](std::vector<Region>& r) { r[1].volume = std::nextafter(r[1].volume, 0); }); }},
+      {Code::region_measure, "bounds",
+       [] { return regioned([](std::vector<Region>& r) { r[0].upper.y += 1; }); }},
+      {Code::attribute_count, "ORIG without SURF",
+       [] { return attributed([](Mesh& m) { drop(m, kInputTriangles); }); }},
+      {Code::attribute_count, "SURF without ORIG",
+       [] { return attributed([](Mesh& m) { drop(m, kOrigins); }); }},
+      {Code::attribute_count, "ORIG too short",
+       [] { return attributed([](Mesh& m) { part(m, kOrigins).bytes.resize(4); }); }},
+      {Code::attribute_count, "TOBJ too short",
+       [] { return attributed([](Mesh& m) { part(m, kTriangleObjects).bytes.resize(20); }); }},
+      {Code::attribute_count, "TOBJ without OBJT",
+       [] { return attributed([](Mesh& m) { drop(m, kObjects); }); }},
+      {Code::attribute_count, "CORN too long",
+       [] { return attributed([](Mesh& m) { part(m, kCorners).bytes.resize(84); }); }},
+      {Code::attribute_count, "NORM without CORN",
+       [] { return attributed([](Mesh& m) { drop(m, kCorners); }); }},
+      {Code::attribute_count, "TEXC too short",
+       [] { return attributed([](Mesh& m) { part(m, kTexcoords).bytes.resize(24); }); }},
+      {Code::attribute_count, "PROP without PVAL",
+       [] { return attributed([](Mesh& m) { drop(m, kPropertyValues); }); }},
+      {Code::attribute_count, "PVAL without PROP",
+       [] { return attributed([](Mesh& m) { drop(m, kProperties); }); }},
+      {Code::attribute_count, "PVAL too short",
+       [] { return attributed([](Mesh& m) { part(m, kPropertyValues).bytes.resize(56); }); }},
+      {Code::attribute_index, "ORIG", [] { return attributed([](Mesh& m) { word(m, kOrigins, 3) = 6; }); }},
+      {Code::attribute_index, "SURF",
+       [] { return attributed([](Mesh& m) { word(m, kInputTriangles, 4) = 64; }); }},
+      {Code::attribute_index, "TOBJ",
+       [] { return attributed([](Mesh& m) { word(m, kTriangleObjects, 5) = 2; }); }},
+      {Code::attribute_index, "CORN", [] { return attributed([](Mesh& m) { word(m, kCorners, 2) = 4; }); }},
+      {Code::text, "not terminated",
+       [] { return attributed([](Mesh& m) { part(m, kTexts).bytes.pop_back(); }); }},
+      {Code::text, "material's name",
+       [] { return attributed([](Mesh& m) { word(m, kMaterials, 27) = 34; }); }},
+      {Code::text, "texture",
+       [] { return attributed([](Mesh& m) { word(m, kMaterials, 28) = 0x80000000; }); }},
+      {Code::text, "object", [] { return attributed([](Mesh& m) { word(m, kObjects, 1) = 40; }); }},
+      {Code::text, "property", [] { return attributed([](Mesh& m) { word(m, kProperties, 0) = 40; }); }},
+      {Code::text, "no texts at all", [] { return attributed([](Mesh& m) { drop(m, kTexts); }); }},
+      {Code::attribute_field, "material",
+       [] { return attributed([](Mesh& m) { word(m, kMaterials, 31) = 1; }); }},
+      {Code::attribute_field, "property",
+       [] { return attributed([](Mesh& m) { word(m, kProperties, 3) = 8; }); }},
   };
   return all;
 }
 
 TEST(BrokenFile, TheUnbrokenOnesAreValid) {
-  for (const Mesh& mesh : {one_tet(), two_tets(), full_mesh(3), full_mesh(7), lattice_mesh(4)}) {
+  for (const Mesh& mesh : {one_tet(), two_tets(), full_mesh(3), full_mesh(7), lattice_mesh(4),
+                           attributed_mesh(), region_mesh(3, {0}), region_mesh(4, {0}), region_mesh(3, {1}),
+                           region_mesh(4, {1}), region_mesh(3, {0, 1})}) {
     const Bytes bytes = tetfmt::encode(mesh, Layout::tet20);
     EXPECT_TRUE(tetfmt::validate(bytes).valid()) << text(tetfmt::validate(bytes));
   }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "support/lattice_mesh.hpp"
+#include "support/region_mesh.hpp"
 #include "tetfmt/encode.hpp"
 #include "tetfmt/validate.hpp"
 #include "tetfmt/view.hpp"
@@ -57,6 +59,54 @@ inline tetfmt::Mesh full_mesh(int n) {
   mesh.triangles.push_back({});
   mesh.sources = {static_cast<Index>(mesh.tets.size() / 2), 3};
   mesh.metadata = R"({"title":"lattice"})";
+  return mesh;
+}
+
+/// The lattice's inner box and what is around it as regions; or only one of them, the other left out.
+inline tetfmt::Mesh region_mesh(int n, const std::vector<Index>& kept) {
+  LatticeOptions options;
+  options.one_triangle_a_face = n == 3;
+  tetfmt::Mesh mesh = lattice_mesh(n, options);
+  return with_regions(mesh, kept);
+}
+
+/// full_mesh with every optional section that there is: its triangles are pieces of others, with materials,
+/// objects and values at surface points.
+inline tetfmt::Mesh attributed_mesh() {
+  tetfmt::Mesh mesh = with_regions(full_mesh(3), {0, 1});
+  std::vector<tetfmt::Triangle> inputs(mesh.triangles.begin(), mesh.triangles.begin() + 6);
+  std::vector<Index> origins;
+  for (Index i = 0; i < mesh.triangles.size(); ++i) origins.push_back(i % 6);
+  using namespace std::string_view_literals;
+  const auto text = "\0red\0cube\0scene.obj\0heat\0skin.png\0"sv;
+  std::vector<tetfmt::Material> materials(2);
+  materials[1].name = 1;
+  materials[1].base_color_texture = 25;
+  materials[1].base_color = {1, 0, 0, 0.5f};
+  for (std::size_t i = 0; i < 4; ++i) mesh.sides[i].material = 1;
+  const std::vector<tetfmt::Object> objects{{5, 10}, {}};
+  const std::vector<Index> triangle_objects{0, 0, 0, 1, 1, 1};
+  std::vector<std::array<Index, 3>> corners(6, {0, 1, 2});
+  corners[3] = {3, kNone, 1};
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<std::array<float, 3>> normals{{0, 0, 1}, {0, 1, 0}, {nan, nan, nan}, {1, 0, 0}};
+  const std::vector<std::array<float, 2>> texcoords{{0, 0}, {0, 1}, {1, 0}, {0.25f, 0.75f}};
+  const std::vector<std::array<float, 4>> colors(4, {0.5f, 0.25f, 1, 1});
+  const std::vector<tetfmt::Property> properties{{20, 6}, {1, 7}};
+  const std::vector<double> values{1, 2, 3, 4, 0.1, 0.2, 0.3, 0.4};
+  using namespace tetfmt;
+  mesh.optional.push_back(optional_section(kOrigins, 4, origins));
+  mesh.optional.push_back(optional_section(kInputTriangles, 12, inputs));
+  mesh.optional.push_back(optional_section(kTexts, 1, std::vector<char>(text.begin(), text.end())));
+  mesh.optional.push_back(optional_section(kMaterials, 64, materials));
+  mesh.optional.push_back(optional_section(kObjects, 8, objects));
+  mesh.optional.push_back(optional_section(kTriangleObjects, 4, triangle_objects));
+  mesh.optional.push_back(optional_section(kCorners, 12, corners));
+  mesh.optional.push_back(optional_section(kNormals, 12, normals));
+  mesh.optional.push_back(optional_section(kTexcoords, 8, texcoords));
+  mesh.optional.push_back(optional_section(kColors, 16, colors));
+  mesh.optional.push_back(optional_section(kProperties, 8, properties));
+  mesh.optional.push_back(optional_section(kPropertyValues, 8, values));
   return mesh;
 }
 

@@ -24,6 +24,12 @@ void expect_same(const Mesh& expected, const Mesh& found) {
   EXPECT_TRUE(same_bytes(expected.triangles, found.triangles));
   EXPECT_EQ(expected.sources, found.sources);
   EXPECT_EQ(expected.metadata, found.metadata);
+  ASSERT_EQ(expected.optional.size(), found.optional.size());
+  for (std::size_t i = 0; i < expected.optional.size(); ++i) {
+    EXPECT_EQ(expected.optional[i].kind, found.optional[i].kind);
+    EXPECT_EQ(expected.optional[i].stride, found.optional[i].stride);
+    EXPECT_EQ(expected.optional[i].bytes, found.optional[i].bytes);
+  }
 }
 
 Mesh decode(const Bytes& bytes) {
@@ -43,6 +49,10 @@ std::vector<Mesh> meshes() {
   LatticeOptions empty;
   empty.walls = 0;
   all.push_back(lattice_mesh(2, empty));
+  all.push_back(attributed_mesh());
+  for (const int n : {3, 5})
+    for (const std::vector<Index>& kept : {std::vector<Index>{0}, {1}, {0, 1}})
+      all.push_back(region_mesh(n, kept));
   return all;
 }
 

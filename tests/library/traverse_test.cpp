@@ -11,6 +11,7 @@
 #include <random>
 
 #include "support/lattice_mesh.hpp"
+#include "support/region_mesh.hpp"
 #include "tetfmt/encode.hpp"
 #include "tetfmt/orientation.hpp"
 #include "tetfmt/reconstruct.hpp"
@@ -21,7 +22,9 @@ using namespace tetfmt;
 
 struct Scene {
   explicit Scene(int n, const tetfmt_test::LatticeOptions& options = {})
-      : mesh(tetfmt_test::lattice_mesh(n, options)),
+      : Scene(tetfmt_test::lattice_mesh(n, options)) {}
+  explicit Scene(Mesh given)
+      : mesh(std::move(given)),
         bytes20(encode(mesh, Layout::tet20)),
         bytes16(encode(mesh, Layout::tet16)),
         view20(*FileView::open(bytes20)),
@@ -331,6 +334,140 @@ TEST(FloatKernel, AgreesOnGenericRaysAndAlwaysEnds) {
     ASSERT_LE(first_hit(scene.view16, ray, locate(scene.view16, ray.origin), Kernel::float_only).steps,
               scene.mesh.tets.size() + 1);
   }
+}
+
+// The inner box without what is inside: rays from outside meet what they met, points inside are nowhere.
+TEST(Partial, RaysFromOutsideHitWhatTheyHitInTheWholeFile) {
+  const int n = 5, low = 1, high = 4;
+  const Mesh lattice = tetfmt_test::lattice_mesh(n);
+  const Scene whole(tetfmt_test::with_regions(lattice, {0, 1}));
+  const Scene partial(tetfmt_test::with_regions(lattice, {0}));
+  EXPECT_LT(partial.mesh.tets.size(), whole.mesh.tets.size());
+  std::mt19937 random(1);
+  const auto coordinate = [&] { return static_cast<float>(static_cast<int>(random() % 29) - 4) / 4; };
+  int hits = 0, absent = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Ray ray{{coordinate(), coordinate(), coordinate()}, {coordinate(), coordinate(), coordinate()}};
+    const auto strictly_inside = [&](float x) { return x > low && x < high; };
+    const auto in_closed_box = [&](float x) { return x >= low && x <= high; };
+    const auto& [x, y, z] = ray.origin;
+    const Hit found = hit_by_all(partial, ray);
+    if (strictly_inside(x) && strictly_inside(y) && strictly_inside(z)) {
+      EXPECT_EQ(found.outcome, Outcome::absent);
+      EXPECT_EQ(locate(partial.trusted16, ray.origin).state, Location::State::absent);
+      ++absent;
+    } else if (!in_closed_box(x) || !in_closed_box(y) || !in_closed_box(z)) {
+      const Hit expected = hit_by_all(whole, ray);
+      EXPECT_EQ(found.outcome, expected.outcome);
+      EXPECT_EQ(found.triangle, expected.triangle);
+      EXPECT_EQ(found.t, expected.t);
+      EXPECT_EQ(found.back, expected.back);
+      EXPECT_EQ(found.neighbor, kNone);
+      hits += found.outcome == Outcome::hit;
+    }
+  }
+  EXPECT_GT(hits, 1000);
+  EXPECT_GT(absent, 1000);
+}
+
+// A room without what is around it has no hull; what is outside is not there either.
+TEST(Partial, ARoomAlone) {
+  const Mesh lattice = tetfmt_test::lattice_mesh(5);
+  const Scene room(tetfmt_test::with_regions(lattice, {1}));
+  EXPECT_TRUE(room.view20.hull().empty());
+  std::mt19937 random(2);
+  for (int i = 0; i < 5000; ++i) {
+    const auto inside = [&] { return 1 + static_cast<float>(1 + random() % 95) / 32; };
+    const auto any = [&] { return static_cast<float>(random() % 65) / 32 - 1; };
+    const Ray ray{{inside(), inside(), inside()}, {any(), any(), any()}};
+    if (ray.direction == Vec3f{}) continue;
+    const Hit hit = hit_by_all(room, ray);
+    EXPECT_EQ(hit.outcome, Outcome::hit);
+    EXPECT_TRUE(hit.back);
+    EXPECT_EQ(hit.neighbor, kNone);
+  }
+  EXPECT_EQ(locate(room.view20, {0.5f, 0.5f, 0.5f}).state, Location::State::absent);
+  EXPECT_EQ(locate(room.view16, {100, 0, 0}).state, Location::State::absent);
+}
+
+// Left-out space between the start and the point: the search goes around, from whichever cell it starts.
+TEST(Partial, LocationGoesAroundWhatIsLeftOut) {
+  const Mesh lattice = tetfmt_test::lattice_mesh(5);
+  const Scene scene(tetfmt_test::with_regions(lattice, {0}));
+  std::mt19937 random(3);
+  std::vector<Cell> cells;
+  for (int i = 0; i < 3000; ++i) {
+    const auto coordinate = [&] { return static_cast<float>(random() % 161) / 32; };
+    const Vec3f point{coordinate(), coordinate(), coordinate()};
+    const Location first = locate(scene.view20, point);
+    if (first.state != Location::State::inside) continue;
+    cells.push_back(first.cell);
+    const Cell& from = cells[random() % cells.size()];
+    const Location second = locate(scene.trusted20, point, &from);
+    ASSERT_EQ(second.state, Location::State::inside);
+    EXPECT_EQ(second.cell, first.cell);
+    EXPECT_EQ(second.positive, first.positive);
+    EXPECT_EQ(locate(scene.view16, point, &from).cell, first.cell);
+  }
+  EXPECT_GT(cells.size(), 1000u);
+}
+
+// Where the file's triangles are pieces, hits name the input's triangle, with its weights.
+TEST(FirstHit, PiecesReportTheTriangleThatTheyAreOf) {
+  tetfmt_test::LatticeOptions options;
+  options.one_triangle_a_face = true;
+  const int n = 6, low = 1;
+  Mesh mesh = tetfmt_test::lattice_mesh(n, options);
+  // The twelve halves of the walls, as they are without that option.
+  const std::vector<Triangle> inputs = tetfmt_test::lattice_mesh(n).triangles;
+  const auto id = [&](int x, int y, int z) { return static_cast<Index>(x + (n + 1) * (y + (n + 1) * z)); };
+  ASSERT_EQ(inputs[0].vertices[0], id(low, low, low));
+  const auto plane_and_half = [&](const Triangle& piece) -> Index {
+    for (Index i = 0; i < inputs.size(); ++i) {
+      const auto point = [&](Index v) {
+        const Vec3f& p = mesh.vertices[v];
+        return GridPoint{static_cast<int>(p.x), static_cast<int>(p.y), static_cast<int>(p.z)};
+      };
+      const GridPoint a = point(inputs[i].vertices[0]), b = point(inputs[i].vertices[1]),
+                      c = point(inputs[i].vertices[2]);
+      bool inside = true;
+      for (const Index v : piece.vertices) {
+        inside &= orientation(a, b, c, point(v)) == 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const std::int64_t whole = doubled_area(a, b, c, axis);
+          for (const std::int64_t part :
+               {doubled_area(a, b, point(v), axis), doubled_area(b, c, point(v), axis),
+                doubled_area(c, a, point(v), axis)})
+            inside &= whole >= 0 ? part >= 0 : part <= 0;
+        }
+      }
+      if (inside) return i;
+    }
+    return kNone;
+  };
+  std::vector<Index> origins;
+  for (const Triangle& piece : mesh.triangles) origins.push_back(plane_and_half(piece));
+  ASSERT_EQ(std::count(origins.begin(), origins.end(), kNone), 0);
+  mesh.optional = {tetfmt_test::optional_section(kOrigins, 4, origins),
+                   tetfmt_test::optional_section(kInputTriangles, 12, inputs)};
+  const Scene pieces(mesh);
+  const Scene whole(n);
+  std::mt19937 random(4);
+  int hits = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const auto any = [&] { return static_cast<float>(static_cast<int>(random() % 2001) - 1000) / 128; };
+    const auto near = [&] { return static_cast<float>(random() % 1025) / 128 - 1; };
+    const Ray ray{{near(), near(), near()}, {any(), any(), any()}};
+    const Hit found = hit_by_all(pieces, ray), expected = hit_by_all(whole, ray);
+    ASSERT_EQ(found.outcome, expected.outcome);
+    if (found.outcome != Outcome::hit) continue;
+    ++hits;
+    EXPECT_EQ(found.triangle, expected.triangle);
+    EXPECT_NEAR(found.t, expected.t, 1e-12 * expected.t);
+    EXPECT_NEAR(found.u, expected.u, 1e-12);
+    EXPECT_NEAR(found.v, expected.v, 1e-12);
+  }
+  EXPECT_GT(hits, 1000);
 }
 
 }  // namespace

@@ -170,7 +170,8 @@ static_assert(sizeof(HullFace) == 16);
 /// A space that surfaces close off from the others: a run of tetrahedra, connected through free faces.
 struct Region {
   Index first_tet = 0, tet_count = 0;
-  Index id = 0;  ///< ascending; 0 is the space around everything, the one that the hull bounds
+  Index id =
+      0;  ///< ascending, at most kMaxCount; 0 is the space around everything, the one that the hull bounds
   std::uint32_t reserved = 0;
   double volume = 0;   ///< in cubic model units: the double nearest to the sum of the tetrahedra
   Vec3f lower, upper;  ///< bounds of its vertices, local coordinates
