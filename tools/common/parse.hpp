@@ -28,6 +28,7 @@ std::string_view trim(std::string_view text);
 
 /// Appends the shortest text that reads back as the same number.
 void append_number(std::string& text, double value);
+void append_number(std::string& text, float value);
 void append_number(std::string& text, long long value);
 
 /// The shortest text that reads back as the same number.

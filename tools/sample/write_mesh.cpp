@@ -2,63 +2,26 @@
 #include "sample/write_mesh.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 
-#include "common/atomic_file.hpp"
+#include "common/buffered_file.hpp"
 #include "common/failure.hpp"
-#include "common/parse.hpp"
 
 namespace tetprep {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "binary formats are written as the machine holds them");
+using Writer = BufferedFile;
 
-/// Collects text or bytes and writes them in large pieces.
-class Writer {
- public:
-  explicit Writer(const std::string& path) : file_(path) {}
-  Writer& text(std::string_view text) {
-    buffer_ += text;
-    if (buffer_.size() >= kPiece) flush();
-    return *this;
-  }
-  Writer& number(float value) {
-    append_number(buffer_, static_cast<double>(value));  // readers that keep doubles get this very number
-    return *this;
-  }
-  Writer& number(std::uint64_t value) {
-    append_number(buffer_, static_cast<long long>(value));
-    return *this;
-  }
-  template <class T>
-  Writer& raw(const T& value) {
-    std::array<char, sizeof(T)> bytes;
-    std::memcpy(bytes.data(), &value, sizeof value);
-    return text({bytes.data(), bytes.size()});
-  }
-  void commit() {
-    flush();
-    file_.commit();
-  }
-
- private:
-  static constexpr std::size_t kPiece = 1 << 20;
-  void flush() {
-    file_.write(buffer_);
-    buffer_.clear();
-  }
-  AtomicFile file_;
-  std::string buffer_;
-};
+/// Coordinates are written as doubles, so that readers that keep doubles get this very number too.
+double wide(float value) {
+  return static_cast<double>(value);
+}
 
 void write_obj(const Surface& surface, Writer& out) {
   out.text("# made by tet sample\n");
   for (const auto& p : surface.points)
-    out.text("v ").number(p[0]).text(" ").number(p[1]).text(" ").number(p[2]).text("\n");
+    out.text("v ").number(wide(p[0])).text(" ").number(wide(p[1])).text(" ").number(wide(p[2])).text("\n");
   for (const auto& t : surface.triangles) {
     out.text("f ").number(t[0] + std::uint64_t{1}).text(" ").number(t[1] + std::uint64_t{1});
     out.text(" ").number(t[2] + std::uint64_t{1}).text("\n");
@@ -69,7 +32,7 @@ void write_off(const Surface& surface, Writer& out) {
   out.text("OFF\n").number(std::uint64_t{surface.points.size()}).text(" ");
   out.number(std::uint64_t{surface.triangles.size()}).text(" 0\n");
   for (const auto& p : surface.points)
-    out.number(p[0]).text(" ").number(p[1]).text(" ").number(p[2]).text("\n");
+    out.number(wide(p[0])).text(" ").number(wide(p[1])).text(" ").number(wide(p[2])).text("\n");
   for (const auto& t : surface.triangles) {
     out.text("3 ").number(std::uint64_t{t[0]}).text(" ").number(std::uint64_t{t[1]}).text(" ");
     out.number(std::uint64_t{t[2]}).text("\n");
