@@ -54,14 +54,16 @@ struct Appearance {
 
 /// How much of an Appearance goes into the file.
 enum class KeepAttributes {
-  none,     ///< nothing but input triangle numbers
-  normals,  ///< normals alone
+  none,     ///< nothing but input triangle numbers: no section at all. Every Side::material must then be 0
+  normals,  ///< normals alone (CORN and NORM), no materials either
   all,
 };
 
 /// The optional sections (TEXT, MATL, OBJT, TOBJ, CORN, NORM, TEXC, COLR, PROP, PVAL) that hold it, in the
 /// order in which the reference writer stores them. Nothing is stored that says nothing: one unnamed object,
-/// say. `draco`: corners and point attributes go into DRAC instead, quantised as spec/format.md says.
+/// say. `draco`: DRAC stands for CORN to PVAL, quantised as prep/draco_surface.hpp says. Texts are stored
+/// once each, without zero bytes; what is not UTF-8 is taken for Latin-1. O(size). Failure: unsupported (over
+/// 4 GiB of texts), runtime (Draco refused).
 std::vector<tetfmt::OptionalSection> to_sections(const Appearance& appearance, KeepAttributes keep,
                                                  bool draco = false);
 
