@@ -40,6 +40,7 @@ constexpr const char* kFooter =
     "  tet info knot.tet                      what is inside\n"
     "  tet trace knot.tet -o knot.png         a picture\n"
     "  tet query knot.tet --rays rays.csv --hits -\n"
+    "  tet extract knot.tet --surface back.ply\n"
     "\n"
     "`tet VERB --help` tells more about each.";
 
@@ -91,6 +92,7 @@ int main(int argc, char** argv) {
     add_convert_command(app, run);
     add_validate_command(app, run);
     add_info_command(app, run);
+    add_extract_command(app, run);
     add_trace_command(app, run);
     add_query_command(app, run);
     add_sample_command(app, run);
