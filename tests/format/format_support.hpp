@@ -49,6 +49,34 @@ inline tetfmt::Mesh two_tets() {
   return mesh;
 }
 
+/// spec/format.md 14.4: a room of one tetrahedron, what is around it left out.
+inline tetfmt::Mesh room() {
+  using namespace tetfmt;
+  using namespace std::string_view_literals;
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 1}};
+  mesh.tets = {{{0, 1, 2, 3}, {side_ref(1), side_ref(3), side_ref(5), side_ref(7)}}};
+  mesh.sides = {{kNone, 0, 0}, {0, 0, 0}, {kNone, 1, 1}, {0, 1, 1},
+                {kNone, 2, 0}, {0, 2, 0}, {kNone, 3, 0}, {0, 3, 0}};
+  mesh.triangles = {{{1, 2, 3}}, {{0, 3, 2}}, {{0, 1, 3}}, {{0, 2, 1}}};
+  const std::vector<Region> regions{{0, 1, 1, 0, 1, {0, 0, 0}, {3, 2, 1}}};
+  const auto text = "wall\0door\0room.obj\0"sv;
+  std::vector<Material> materials(2);
+  materials[0].name = 0;
+  materials[1].name = 5;
+  materials[1].base_color = {1, 0.5f, 0.25f, 1};
+  const std::vector<std::array<Index, 3>> corners{
+      {kNone, kNone, kNone}, {0, 1, 2}, {kNone, kNone, kNone}, {kNone, kNone, kNone}};
+  const std::vector<std::array<float, 2>> texcoords{{0, 0}, {0, 1}, {1, 0}};
+  mesh.optional = {optional_section(kRegions, 48, regions),
+                   optional_section(kTexts, 1, std::vector<char>(text.begin(), text.end())),
+                   optional_section(kMaterials, 64, materials),
+                   optional_section(kObjects, 8, std::vector<Object>{{kNone, 10}}),
+                   optional_section(kCorners, 12, corners),
+                   optional_section(kTexcoords, 8, texcoords)};
+  return mesh;
+}
+
 /// A lattice mesh with everything that a file can hold: subdivided and dropped triangles, two sources, an
 /// origin, a fractional grid, metadata.
 inline tetfmt::Mesh full_mesh(int n) {

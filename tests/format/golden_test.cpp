@@ -60,8 +60,8 @@ void expect_golden(const std::string& name, const tetfmt::Mesh& mesh, Layout lay
   EXPECT_EQ(report.level, tetfmt::Level::geometry);
 }
 
-TEST(Golden, ThereAreThreeAnnotatedFiles) {
-  EXPECT_EQ(hex_dumps().size(), 3u);
+TEST(Golden, ThereAreFourAnnotatedFiles) {
+  EXPECT_EQ(hex_dumps().size(), 4u);
 }
 
 TEST(Golden, OneTet) {
@@ -74,6 +74,10 @@ TEST(Golden, TwoTetsTet20) {
 
 TEST(Golden, TwoTetsTet16) {
   expect_golden("two-tets-tet16", two_tets(), Layout::tet16);
+}
+
+TEST(Golden, Room) {
+  expect_golden("room-tet20", room(), Layout::tet20);
 }
 
 // What the commentary says about the second dump, read through the view.

@@ -5,22 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "support/lattice_mesh.hpp"
+#include "format/format_support.hpp"
 #include "tetfmt/encode.hpp"
-
-namespace {
-
-tetfmt::Mesh one_tet() {
-  tetfmt::Mesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  tetfmt::FullTet tet;
-  tet.vertices = {0, 1, 2, 3};
-  tet.neighbors.fill(tetfmt::kHull);
-  mesh.tets = {tet};
-  return mesh;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 2) {
@@ -29,8 +15,10 @@ int main(int argc, char** argv) {
   }
   tetfmt_test::LatticeOptions open;
   open.walls = 5;
-  const std::vector<tetfmt::Mesh> meshes = {one_tet(), tetfmt_test::lattice_mesh(3),
-                                            tetfmt_test::lattice_mesh(3, open)};
+  using namespace tetfmt_test;
+  const std::vector<tetfmt::Mesh> meshes = {
+      one_tet(),         lattice_mesh(3),     lattice_mesh(3, open), room(),
+      attributed_mesh(), region_mesh(3, {0}), region_mesh(3, {1}),   region_mesh(4, {0, 1})};
   int written = 0;
   for (const tetfmt::Mesh& mesh : meshes) {
     for (const auto layout : {tetfmt::Layout::tet20, tetfmt::Layout::tet16}) {
