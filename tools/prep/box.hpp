@@ -20,6 +20,9 @@ struct Box {
     return points;
   }
 
+  /// Length of the longest edge.
+  std::int32_t extent() const { return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}); }
+
   GridPoint centre() const {
     return {low[0] + (high[0] - low[0]) / 2, low[1] + (high[1] - low[1]) / 2,
             low[2] + (high[2] - low[2]) / 2};
@@ -40,9 +43,8 @@ struct Box {
                                                                     {3, 7, 5}}};
 };
 
-/// The bounds of `points`, wider by a sixteenth of their largest extent on every side (at least one step):
-/// no point of the surface lies on the box, and a flat surface gets a box with a volume.
-inline Box box_around(const std::vector<GridPoint>& points) {
+/// The bounds of `points`, of which there is at least one.
+inline Box bounds_of(const std::vector<GridPoint>& points) {
   Box box{points.front(), points.front()};
   for (const GridPoint& point : points) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -50,9 +52,14 @@ inline Box box_around(const std::vector<GridPoint>& points) {
       box.high[k] = std::max(box.high[k], point[k]);
     }
   }
-  std::int32_t largest = 0;
-  for (std::size_t k = 0; k < 3; ++k) largest = std::max(largest, box.high[k] - box.low[k]);
-  const std::int32_t margin = largest / 16 + 1;
+  return box;
+}
+
+/// The bounds of `points`, wider by a sixteenth of their largest extent on every side (at least one step):
+/// no point of the surface lies on the box, and a flat surface gets a box with a volume.
+inline Box box_around(const std::vector<GridPoint>& points) {
+  Box box = bounds_of(points);
+  const std::int32_t margin = box.extent() / 16 + 1;
   for (std::size_t k = 0; k < 3; ++k) {
     box.low[k] -= margin;
     box.high[k] += margin;

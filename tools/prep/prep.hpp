@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,6 +68,8 @@ struct TetMesh {
   /// CleanSurface triangle on that face, or kNone. With a triangle but without a neighbor: one-sided, the
   /// space beyond was left out.
   std::vector<std::array<Index, 4>> face_triangle;
+  /// Of each tet, or empty: not known yet (regions.hpp). 0 is the space around everything.
+  std::vector<Index> region;
 };
 
 /// Two triangles of a CleanSurface, the smaller number first.
@@ -131,9 +134,14 @@ TetMesh tetrahedralize(const CleanSurface& surface, const TetrahedralizeOptions&
 /// every stage that follows and for the rays. Deterministic for any number of threads. O(tets log tets).
 void sort_tets(TetMesh& mesh);
 
-/// Puts everything into the file's terms: vertices along a Hilbert curve, tets as they come, faces as the
-/// tets need them. The source tet is the one that contains the box's centre: walks to anywhere start there,
-/// and from the middle they are shortest on average. Deterministic for any number of threads. O(tets).
-tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface);
+/// Puts everything into the file's terms: vertices along a Hilbert curve (those of some tet), tets as they
+/// come, faces as the tets need them. The first source tet is the one that contains the box's centre: walks
+/// to anywhere start there, and from the middle they are shortest on average. Where that space was left out it
+/// is the tet nearest to it; and if what is left is in several pieces, each of the others has a source too
+/// (its first tet). `triangle_material`: of each input triangle, or empty: all 0. Sections, in this order:
+/// REGN if the regions are known (the tets must be grouped by them); ORIG and SURF if triangles were cut.
+/// Deterministic for any number of threads. O(tets + vertices log vertices).
+tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface,
+                   std::span<const Index> triangle_material = {});
 
 }  // namespace tetprep

@@ -1,33 +1,31 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "prep/reduce_crossings.hpp"
 
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
-#include <cmath>
-#include <deque>
-#include <limits>
 #include <utility>
 
-#include "tetfmt/orientation.hpp"
+#include "prep/box.hpp"
+#include "prep/flips.hpp"
+#include "prep/take_tets.hpp"
 
 namespace tetprep {
 namespace {
 
-using tetfmt::kNone;
-using Tet = std::array<Index, 4>;
 using Face = std::array<Index, 3>;
 
-/// Rings of more tetrahedra are left alone: they are rare, and filling one costs the cube of its size.
-constexpr std::size_t kMaxRing = 12;
-/// A move must gain at least this share of the area it touches; rounding then cannot make two moves undo each
-/// other for ever.
-constexpr double kLeastGain = 1e-6;
-/// Optimize::fast considers a move only if the faces that it would replace have this many times the area that
+/// Optimize::fast considers a flip only if the faces that it would replace have this many times the area that
 /// there is per tetrahedron: large faces are few and hold most of the area. On the armadillo (52,000
 /// triangles) that is a tenth of the flips and of the time, and rays then cross 5 to 15 % more tetrahedra
 /// than with all.
 constexpr double kWorthwhile = 5;
+/// Tets whose flips are looked for at the same time, by all threads, before any of these is made. A constant,
+/// for the result depends on it.
+constexpr std::size_t kBatch = 16384;
 
-Face face_of(const Tet& tet, std::size_t opposite) {
+Face face_of(const std::array<Index, 4>& tet, std::size_t opposite) {
   Face face{};
   for (std::size_t k = 0, n = 0; k < 4; ++k)
     if (k != opposite) face[n++] = tet[k];
@@ -39,267 +37,62 @@ Face sorted(Face face) {
   return face;
 }
 
-class Reducer {
+/// Carries out flips, and keeps the rest of the mesh in step.
+class Flipper {
  public:
-  Reducer(TetMesh& mesh, Progress& progress) : mesh_(mesh), progress_(progress) {}
+  explicit Flipper(TetMesh& mesh) : mesh_(mesh), original_(static_cast<Index>(mesh.tets.size())) {}
 
-  CrossingReport run(Optimize effort) {
-    CrossingReport report;
-    const auto [hull_area, free_area] = measure();
-    threshold_ =
-        effort == Optimize::best ? 0 : kWorthwhile * free_area / static_cast<double>(mesh_.tets.size());
-    std::vector<Index> current(mesh_.tets.size()), next;
-    for (std::size_t t = 0; t < current.size(); ++t) current[t] = static_cast<Index>(t);
-    queued_.assign(mesh_.tets.size(), false);
-    large_.resize(mesh_.tets.size());
-    for (std::size_t t = 0; t < large_.size(); ++t) large_[t] = is_large(static_cast<Index>(t));
-    const std::size_t total = current.size();
-    std::size_t done = 0;
-    // Every tetrahedron once, then those that moves have made, until none of them allows another move.
-    while (!current.empty()) {
-      for (const Index t : current) {
-        if (++done % 4096 == 0)
-          progress_.fraction(std::min(1.0, static_cast<double>(done) / (1.5 * static_cast<double>(total))));
-        if (!improve(t)) continue;
-        ++report.flips;
-        for (const Index made : made_) {
-          if (queued_[made]) continue;
-          queued_[made] = true;
-          next.push_back(made);
-        }
+  /// The tets that have come, until the next call. All of flip.old_tets must still be there.
+  const std::vector<Index>& apply(const Flip& flip) {
+    rim_.clear();
+    for (const Index t : flip.old_tets) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Index outside = mesh_.neighbors[t][k];
+        if (std::find(flip.old_tets.begin(), flip.old_tets.end(), outside) != flip.old_tets.end()) continue;
+        rim_.push_back({sorted(face_of(mesh_.tets[t], k)), outside, mesh_.face_triangle[t][k]});
       }
-      current.swap(next);
-      next.clear();
-      first_pass_ = false;
-      for (const Index t : current) queued_[t] = false;
     }
-    compact();
-    report.area_before = free_area / hull_area;
-    report.area_after = (free_area - gained_) / hull_area;
-    return report;
+    made_.clear();
+    for (std::size_t i = 0; i < flip.new_tets.size(); ++i) {
+      made_.push_back(i < flip.old_tets.size() ? flip.old_tets[i] : fresh(flip.old_tets[0]));
+      mesh_.tets[made_[i]] = flip.new_tets[i];
+    }
+    for (std::size_t i = flip.new_tets.size(); i < flip.old_tets.size(); ++i) {
+      mesh_.tets[flip.old_tets[i]].fill(kNone);
+      free_.push_back(flip.old_tets[i]);
+    }
+    for (const Index t : made_)
+      for (std::size_t k = 0; k < 4; ++k) link(t, k);
+    return made_;
+  }
+
+  bool is_gone(Index t) const { return mesh_.tets[t][0] == kNone; }
+
+  /// Closes the gaps that removed tets have left. Added ones go where those were that they came from: the
+  /// order follows space.
+  void compact() {
+    std::vector<Index> added(anchor_.size());
+    for (std::size_t i = 0; i < added.size(); ++i) added[i] = static_cast<Index>(i);
+    std::stable_sort(added.begin(), added.end(), [&](Index a, Index b) { return anchor_[a] < anchor_[b]; });
+    std::vector<Index> left;
+    left.reserve(mesh_.tets.size());
+    auto next = added.begin();
+    for (Index t = 0; t < original_; ++t) {
+      if (!is_gone(t)) left.push_back(t);
+      for (; next != added.end() && anchor_[*next] == t; ++next)
+        if (const Index a = original_ + *next; !is_gone(a)) left.push_back(a);
+    }
+    take_tets(mesh_, left);
   }
 
  private:
-  const GridPoint& point(Index id) const { return mesh_.points[id]; }
-
-  bool positive(Index a, Index b, Index c, Index d) const {
-    return tetfmt::orientation(point(a), point(b), point(c), point(d)) > 0;
-  }
-
-  void make_positive(std::size_t t) {
-    auto& v = mesh_.tets[t];
-    if (positive(v[0], v[1], v[2], v[3])) return;
-    std::swap(v[0], v[1]);
-    std::swap(mesh_.neighbors[t][0], mesh_.neighbors[t][1]);
-    std::swap(mesh_.face_triangle[t][0], mesh_.face_triangle[t][1]);
-  }
-
-  double area(Index a, Index b, Index c) const {
-    std::array<double, 3> u{}, v{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      u[i] = point(b)[i] - point(a)[i];
-      v[i] = point(c)[i] - point(a)[i];
-    }
-    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-    return std::sqrt(x * x + y * y + z * z) / 2;
-  }
-
-  struct Areas {
-    double hull = 0;  ///< the box's surface
-    double free = 0;  ///< all faces between two tetrahedra that no triangle constrains
-  };
-  Areas measure() const {
-    Areas areas;
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (mesh_.face_triangle[t][k] != kNone) continue;
-        const Face f = face_of(mesh_.tets[t], k);
-        if (mesh_.neighbors[t][k] == kNone) {
-          areas.hull += area(f[0], f[1], f[2]);
-        } else if (mesh_.neighbors[t][k] > t) {  // once from its two sides
-          areas.free += area(f[0], f[1], f[2]);
-        }
-      }
-    }
-    return areas;
-  }
-
-  std::size_t slot_of(Index t, Index vertex) const {
-    const auto& v = mesh_.tets[t];
-    return static_cast<std::size_t>(std::find(v.begin(), v.end(), vertex) - v.begin());
-  }
-
-  /// False if no face of the tetrahedron is large enough for a ring around it to be worth a look: of up to
-  /// six faces that make up the threshold, one has a sixth of it.
-  bool is_large(Index t) const {
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Face f = face_of(mesh_.tets[t], k);
-      if (area(f[0], f[1], f[2]) >= threshold_ / 6) return true;
-    }
-    return false;
-  }
-
-  /// Makes the best move at an edge or face of `t` that gains anything; made_ then names the new tetrahedra.
-  bool improve(Index t) {
-    if (mesh_.tets[t][0] == kNone) return false;  // gone
-    if (first_pass_ ? !large_[t] : !is_large(t)) return false;
-    make_positive(t);
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j)
-        if (remove_edge(t, i, j)) return true;
-    for (std::size_t k = 0; k < 4; ++k)
-      if (replace_face(t, k)) return true;
-    return false;
-  }
-
-  // Edge removal. The ring around edge (a, b) is a polygon r_0 .. r_n-1, each tetrahedron (a, b, r_i, r_i+1)
-  // positive.
-
-  /// Fills ring_ and ring_tets_; false if the ring is open, constrained or too long.
-  bool walk_ring(Index t, Index a, Index b, Index c, Index d) {
-    ring_.clear();
-    ring_tets_.clear();
-    if (!positive_order(t, a, b, c, d)) std::swap(c, d);
-    Index tet = t;
-    do {
-      if (ring_.size() == kMaxRing) return false;
-      ring_.push_back(c);
-      ring_tets_.push_back(tet);
-      const std::size_t k = slot_of(tet, c);
-      const Index next = mesh_.neighbors[tet][k];
-      if (next == kNone || mesh_.face_triangle[tet][k] != kNone) return false;
-      if (first_pass_ && next < t && large_[next]) return false;  // looked at from there
-      c = d;
-      const auto& v = mesh_.tets[next];
-      d = v[0] ^ v[1] ^ v[2] ^ v[3] ^ a ^ b ^ c;
-      tet = next;
-    } while (tet != t);
-    return true;
-  }
-
-  /// True if (a, b, c, d), a permutation of positive tetrahedron t's vertices, is an even one.
-  bool positive_order(Index t, Index a, Index b, Index c, Index d) const {
-    const std::array<std::size_t, 4> slot = {slot_of(t, a), slot_of(t, b), slot_of(t, c), slot_of(t, d)};
-    bool even = true;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j) even ^= slot[i] > slot[j];
-    return even;
-  }
-
-  bool remove_edge(Index t, std::size_t i, std::size_t j) {
-    const Tet& v = mesh_.tets[t];
-    const Index a = v[i], b = v[j];
-    std::array<Index, 2> other{};
-    for (std::size_t k = 0, m = 0; k < 4; ++k)
-      if (k != i && k != j) other[m++] = v[k];
-    if (!walk_ring(t, a, b, other[0], other[1])) return false;
-    const std::size_t n = ring_.size();
-    if (n < 3) return false;
-
-    double before = 0;
-    for (const Index r : ring_) before += area(a, b, r);
-    if (before < threshold_) return false;
-    if (!fill_ring(a, b, before * (1 - kLeastGain))) return false;
-    gained_ += before - cost_[0][n - 1];
-    new_tets_.clear();
-    collect(a, b, 0, n - 1);
-    replace(ring_tets_);
-    return true;
-  }
-
-  /// The cheapest way to cut the ring into triangles, each the base of one tetrahedron with a and one with b
-  /// (Klincsek 1980, with areas of faces for lengths of diagonals). False if none is valid and below `limit`.
-  bool fill_ring(Index a, Index b, double limit) {
-    const std::size_t n = ring_.size();
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 2; j < n; ++j)
-        diagonal_[i][j] =
-            i == 0 && j == n - 1 ? 0 : area(a, ring_[i], ring_[j]) + area(b, ring_[i], ring_[j]);
-    for (std::size_t i = 0; i + 1 < n; ++i) cost_[i][i + 1] = diagonal_[i][i + 1] = 0;
-    for (std::size_t length = 2; length < n; ++length) {
-      for (std::size_t i = 0; i + length < n; ++i) {
-        const std::size_t j = i + length;
-        cost_[i][j] = kInfinity;
-        for (std::size_t k = i + 1; k < j; ++k) {
-          double cost = cost_[i][k] + cost_[k][j] + diagonal_[i][k] + diagonal_[k][j];
-          if (cost >= std::min(limit, cost_[i][j])) continue;
-          cost += area(ring_[i], ring_[k], ring_[j]);
-          if (cost >= std::min(limit, cost_[i][j])) continue;
-          if (!positive(ring_[i], ring_[k], ring_[j], b) || !positive(ring_[k], ring_[i], ring_[j], a))
-            continue;
-          cost_[i][j] = cost;
-          split_[i][j] = k;
-        }
-      }
-    }
-    return cost_[0][n - 1] < limit;
-  }
-
-  void collect(Index a, Index b, std::size_t i, std::size_t j) {
-    if (j == i + 1) return;
-    const std::size_t k = split_[i][j];
-    new_tets_.push_back({ring_[i], ring_[k], ring_[j], b});
-    new_tets_.push_back({ring_[k], ring_[i], ring_[j], a});
-    collect(a, b, i, k);
-    collect(a, b, k, j);
-  }
-
-  /// The 2-3 flip: the face opposite vertex k of `t`, between apexes a and b, gives way to the edge (a, b).
-  bool replace_face(Index t, std::size_t k) {
-    const Index other = mesh_.neighbors[t][k];
-    if (other == kNone || mesh_.face_triangle[t][k] != kNone) return false;
-    const Index a = mesh_.tets[t][k];
-    Face f = face_of(mesh_.tets[t], k);
-    const auto& v = mesh_.tets[other];
-    const Index b = v[0] ^ v[1] ^ v[2] ^ v[3] ^ f[0] ^ f[1] ^ f[2];
-    if (k % 2 == 0) std::swap(f[1], f[2]);  // now (f, a) is positive: a has moved past 3 - k vertices
-    const double before = area(f[0], f[1], f[2]);
-    double after = 0;
-    for (std::size_t i = 0; i < 3; ++i) after += area(a, b, f[i]);
-    if (before < threshold_ || after >= before * (1 - kLeastGain)) return false;
-    new_tets_.clear();
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Index p = f[i], q = f[(i + 1) % 3];
-      if (!positive(p, q, b, a)) return false;
-      new_tets_.push_back({p, q, b, a});
-    }
-    gained_ += before - after;
-    replace({t, other});
-    return true;
-  }
-
-  // Replacing a few tetrahedra by others that fill the same space.
-
   /// A face on the boundary of what is being replaced.
   struct Rim {
     Face face;  ///< ascending
     Index outside, triangle;
   };
 
-  void replace(const std::vector<Index>& old_tets) {
-    rim_.clear();
-    for (const Index t : old_tets) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        const Index outside = mesh_.neighbors[t][k];
-        if (std::find(old_tets.begin(), old_tets.end(), outside) != old_tets.end()) continue;
-        rim_.push_back({sorted(face_of(mesh_.tets[t], k)), outside, mesh_.face_triangle[t][k]});
-      }
-    }
-    made_.clear();
-    for (std::size_t i = 0; i < new_tets_.size(); ++i) {
-      made_.push_back(i < old_tets.size() ? old_tets[i] : fresh());
-      mesh_.tets[made_[i]] = new_tets_[i];
-    }
-    for (std::size_t i = new_tets_.size(); i < old_tets.size(); ++i) {
-      mesh_.tets[old_tets[i]].fill(kNone);
-      free_.push_back(old_tets[i]);
-    }
-    for (const Index t : made_)
-      for (std::size_t k = 0; k < 4; ++k) link(t, k);
-  }
-
-  /// Finds what lies across face k of the new tetrahedron t: the rim's outside, or another new one.
+  /// Finds what lies across face k of the new tet t: the rim's outside, or another new one.
   void link(Index t, std::size_t k) {
     const Face face = sorted(face_of(mesh_.tets[t], k));
     mesh_.face_triangle[t][k] = kNone;
@@ -307,10 +100,10 @@ class Reducer {
       if (rim.face != face) continue;
       mesh_.neighbors[t][k] = rim.outside;
       mesh_.face_triangle[t][k] = rim.triangle;
-      if (rim.outside != kNone) {
-        const auto& v = mesh_.tets[rim.outside];
-        const Index apex = v[0] ^ v[1] ^ v[2] ^ v[3] ^ face[0] ^ face[1] ^ face[2];
-        mesh_.neighbors[rim.outside][slot_of(rim.outside, apex)] = t;
+      if (rim.outside == kNone) return;
+      for (std::size_t j = 0; j < 4; ++j) {
+        const Index apex = mesh_.tets[rim.outside][j];
+        if (std::find(face.begin(), face.end(), apex) == face.end()) mesh_.neighbors[rim.outside][j] = t;
       }
       return;
     }
@@ -324,53 +117,175 @@ class Reducer {
     }
   }
 
-  Index fresh() {
+  /// A place for a new tet among the likes of tet `origin`.
+  Index fresh(Index origin) {
+    Index t = static_cast<Index>(mesh_.tets.size());
     if (!free_.empty()) {
-      const Index t = free_.back();
+      t = free_.back();
       free_.pop_back();
-      return t;
+    } else {
+      if (mesh_.tets.capacity() == mesh_.tets.size()) {  // doubling would take much memory for few tets
+        const std::size_t room = mesh_.tets.size() + mesh_.tets.size() / 16 + 64;
+        mesh_.tets.reserve(room);
+        mesh_.neighbors.reserve(room);
+        mesh_.face_triangle.reserve(room);
+        mesh_.region.reserve(mesh_.region.empty() ? 0 : room);
+      }
+      mesh_.tets.emplace_back();
+      mesh_.neighbors.emplace_back();
+      mesh_.face_triangle.emplace_back();
+      if (!mesh_.region.empty()) mesh_.region.emplace_back();
+      anchor_.push_back(origin < original_ ? origin : anchor_[origin - original_]);
     }
-    mesh_.tets.emplace_back();
-    mesh_.neighbors.emplace_back();
-    mesh_.face_triangle.emplace_back();
-    queued_.push_back(false);
-    return static_cast<Index>(mesh_.tets.size() - 1);
+    if (!mesh_.region.empty()) mesh_.region[t] = mesh_.region[origin];
+    return t;
   }
 
-  /// Closes the gaps that removed tetrahedra have left.
-  void compact() {
-    std::vector<Index> moved(mesh_.tets.size(), kNone);
-    Index count = 0;
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
-      if (mesh_.tets[t][0] == kNone) continue;
-      moved[t] = count;
-      mesh_.tets[count] = mesh_.tets[t];
-      mesh_.neighbors[count] = mesh_.neighbors[t];
-      mesh_.face_triangle[count] = mesh_.face_triangle[t];
-      ++count;
+  TetMesh& mesh_;
+  Index original_;             ///< tets at the start; what was added has numbers from there on
+  std::vector<Index> anchor_;  ///< of each added tet the original one that it came from, or near to it
+  std::vector<Index> free_;    ///< places of tets that are gone
+  std::vector<Rim> rim_;
+  std::vector<Index> made_;
+};
+
+class Reducer {
+ public:
+  Reducer(TetMesh& mesh, Progress& progress) : mesh_(mesh), progress_(progress), flipper_(mesh) {}
+
+  CrossingReport run(Optimize effort) {
+    CrossingReport report;
+    const double free_area = measure();
+    // A flip replaces up to six faces that make up the threshold or more: one of them has a sixth of it.
+    const double threshold =
+        effort == Optimize::best ? 0 : kWorthwhile * free_area / static_cast<double>(mesh_.tets.size());
+    const double large = threshold / 6;
+    std::vector<Index> current, next;
+    for (std::size_t t = 0; t < largest_face_.size(); ++t)
+      if (largest_face_[t] >= large) current.push_back(static_cast<Index>(t));
+
+    tbb::enumerable_thread_specific<FlipFinder> finders([&] { return FlipFinder(mesh_, threshold); });
+    bool first_pass = true;
+    const auto find = [&](Index t, Flip& flip) {
+      if (flipper_.is_gone(t) || (!first_pass && largest_face(t) < large)) return false;
+      // In the first pass, every ring is looked at from the first of its tets alone.
+      const auto is_elsewhere = [&](Index other) {
+        return first_pass && other < t && largest_face_[other] >= large;
+      };
+      return finders.local().find(t, is_elsewhere, flip);
+    };
+
+    double gained = 0;
+    std::size_t done = 0, expected = current.size() + current.size() / 2;
+    changed_.assign(mesh_.tets.size(), 0);
+    queued_.assign(mesh_.tets.size(), 0);
+    std::vector<Flip> flips(kBatch);
+    std::vector<char> found(kBatch);
+    // Every tet once, then those that flips have made, until none of them allows another flip. Finding takes
+    // nearly all of the time, and changes nothing: all threads do it. Then the flips are made one by one.
+    while (!current.empty()) {
+      for (std::size_t first = 0; first < current.size(); first += kBatch) {
+        const std::size_t count = std::min(kBatch, current.size() - first);
+        tbb::parallel_for(std::size_t{0}, count,
+                          [&](std::size_t i) { found[i] = find(current[first + i], flips[i]) ? 1 : 0; });
+        ++batch_;
+        for (std::size_t i = 0; i < count; ++i) {
+          if (found[i] == 0) continue;
+          // Another flip of this batch may have been faster.
+          if (is_outdated(flips[i]) && !find(current[first + i], flips[i])) continue;
+          gained += flips[i].gain;
+          ++report.flips;
+          make(flips[i], next);
+        }
+        done += count;
+        progress_.fraction(std::min(1.0, static_cast<double>(done) / static_cast<double>(expected)));
+      }
+      current.swap(next);
+      next.clear();
+      first_pass = false;
+      for (const Index t : current) queued_[t] = 0;
     }
-    mesh_.tets.resize(count);
-    mesh_.neighbors.resize(count);
-    mesh_.face_triangle.resize(count);
-    for (auto& neighbors : mesh_.neighbors)
-      for (Index& neighbor : neighbors)
-        if (neighbor != kNone) neighbor = moved[neighbor];
+    if (report.flips > 0) flipper_.compact();
+    const double box = box_area();
+    report.area_before = free_area / box;
+    report.area_after = (free_area - gained) / box;
+    return report;
+  }
+
+ private:
+  void make(const Flip& flip, std::vector<Index>& next) {
+    for (const Index t : flip.old_tets) changed_[t] = batch_;
+    for (const Index t : flipper_.apply(flip)) {
+      if (t >= changed_.size()) {
+        changed_.resize(t + 1);
+        queued_.resize(t + 1);
+      }
+      changed_[t] = batch_;
+      if (std::exchange(queued_[t], 1) == 0) next.push_back(t);
+    }
+  }
+
+  bool is_outdated(const Flip& flip) const {
+    return std::any_of(flip.old_tets.begin(), flip.old_tets.end(),
+                       [&](Index t) { return changed_[t] == batch_; });
+  }
+
+  double face_area(std::size_t t, std::size_t opposite) const {
+    const Face f = face_of(mesh_.tets[t], opposite);
+    return triangle_area(mesh_.points[f[0]], mesh_.points[f[1]], mesh_.points[f[2]]);
+  }
+
+  double largest_face(std::size_t t) const {
+    return std::max({face_area(t, 0), face_area(t, 1), face_area(t, 2), face_area(t, 3)});
+  }
+
+  /// Makes every tet positive, fills largest_face_, and returns the area of all faces between two tets that
+  /// no triangle constrains.
+  double measure() {
+    const std::size_t count = mesh_.tets.size();
+    largest_face_.resize(count);
+    std::vector<double> sums((count + kBatch - 1) / kBatch, 0.0);  // added in one order, whatever the threads
+    tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t block) {
+      for (std::size_t t = block * kBatch; t < std::min(count, (block + 1) * kBatch); ++t) {
+        make_positive(t);
+        double largest = 0;
+        for (std::size_t k = 0; k < 4; ++k) {
+          const double area = face_area(t, k);
+          largest = std::max(largest, area);
+          const bool free = mesh_.face_triangle[t][k] == kNone && mesh_.neighbors[t][k] != kNone;
+          if (free) sums[block] += area / 2;  // the tet beyond has the other half
+        }
+        largest_face_[t] = static_cast<float>(largest);
+      }
+    });
+    double sum = 0;
+    for (const double part : sums) sum += part;
+    return sum;
+  }
+
+  void make_positive(std::size_t t) {
+    auto& v = mesh_.tets[t];
+    const auto& p = mesh_.points;
+    if (tetfmt::orientation(p[v[0]], p[v[1]], p[v[2]], p[v[3]]) > 0) return;
+    std::swap(v[0], v[1]);
+    std::swap(mesh_.neighbors[t][0], mesh_.neighbors[t][1]);
+    std::swap(mesh_.face_triangle[t][0], mesh_.face_triangle[t][1]);
+  }
+
+  double box_area() const {
+    const Box box = bounds_of(mesh_.points);
+    std::array<double, 3> edge{};
+    for (std::size_t k = 0; k < 3; ++k) edge[k] = box.high[k] - box.low[k];
+    return 2 * (edge[0] * edge[1] + edge[1] * edge[2] + edge[2] * edge[0]);
   }
 
   TetMesh& mesh_;
   Progress& progress_;
-  std::vector<bool> queued_;
-  bool first_pass_ = true;
-  double gained_ = 0;        ///< area that the moves so far have saved
-  std::vector<bool> large_;  ///< is_large of every tetrahedron at the start
-  double threshold_ = 0;     ///< moves that touch less area are not considered
-  std::vector<Index> free_;  ///< places of tetrahedra that are gone
-  // What one move needs, kept to save allocations.
-  std::vector<Index> ring_, ring_tets_, made_;
-  std::vector<Tet> new_tets_;
-  std::vector<Rim> rim_;
-  std::array<std::array<double, kMaxRing>, kMaxRing> cost_{}, diagonal_{};
-  std::array<std::array<std::size_t, kMaxRing>, kMaxRing> split_{};
+  Flipper flipper_;
+  std::vector<float> largest_face_;  ///< its area, of every tet at the start
+  std::vector<Index> changed_;       ///< the last batch that changed a tet
+  Index batch_ = 0;
+  std::vector<char> queued_;  ///< tets of the next pass
 };
 
 }  // namespace

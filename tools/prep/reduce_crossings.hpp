@@ -12,7 +12,7 @@ enum class Optimize {
 };
 
 struct CrossingReport {
-  double area_before = 0, area_after = 0;  ///< of all unconstrained faces, in areas of the box
+  double area_before = 0, area_after = 0;  ///< of all unconstrained faces inside, in areas of the box
   Index flips = 0;
 };
 
@@ -22,8 +22,9 @@ struct CrossingReport {
 /// programming (Shewchuk 2002, "Two discrete optimization algorithms for the topological improvement of
 /// tetrahedral meshes"), and a face is replaced by the edge between the two vertices opposite it.
 ///
-/// Points, constrained faces and the hull stay as they are; every new tetrahedron is strictly positive by
-/// exact arithmetic. Deterministic. About O(tets).
+/// Points, constrained faces, the hull and regions stay as they are, and so do the ends of a mesh of which
+/// space was left out; every new tetrahedron is strictly positive by exact arithmetic. Tets keep their order,
+/// new ones stand where the old ones did. Deterministic for any number of threads. About O(tets).
 CrossingReport reduce_crossings(TetMesh& mesh, Optimize effort, Progress& progress);
 
 }  // namespace tetprep

@@ -2,36 +2,33 @@
 // The spaces that surfaces close off from each other, and leaving out those that no ray enters.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "prep/prep.hpp"
 
 namespace tetprep {
 
-/// Which region each tet is in. 0 is the one around everything; the others are numbered as they are met going
-/// through the tets. Two tets are in one region if a path leads from one to the other through no triangle.
-struct Regions {
-  std::vector<Index> of_tet;
-  Index count = 0;
-};
+/// Fills mesh.region: two tets are in one region if a path leads from one to the other through no triangle.
+/// 0 is the region around everything; the others are numbered as they are met going through the tets. `mesh`
+/// must be whole (nothing left out yet). Returns the number of regions. Deterministic for any number of
+/// threads. O(tets).
+Index find_regions(TetMesh& mesh);
 
-/// O(tets). `mesh` must be whole (nothing left out yet).
-Regions find_regions(const TetMesh& mesh);
+/// The lowest region that touches a point given in model coordinates: the one that holds it, unless it lies
+/// on a face, an edge or a vertex. kNone: in no tet. Exact. O(tets).
+Index region_at(const TetMesh& mesh, const Point& point);
 
 /// Leaves out every tet whose region is not in `kept` (by number; at least one tet must remain). Faces
-/// towards left-out space become one-sided; vertices and tets are renumbered in the order that they had, and
-/// so are `regions.of_tet`. Region numbers stay. Deterministic. O(tets).
-void keep_regions(TetMesh& mesh, Regions& regions, const std::vector<bool>& kept);
-
-/// The region that holds a point given in model coordinates. Points on a face, an edge or a vertex belong to
-/// any of the regions that touch there: the lowest number. kNone: outside of the box. O(tets), exact.
-Index region_at(const TetMesh& mesh, const Regions& regions, const Point& point);
+/// towards left-out space become one-sided; tets are renumbered in the order that they had. Points stay, so
+/// that the surface's numbers hold: some may belong to no tet afterwards. Region numbers stay too.
+/// Deterministic for any number of threads. O(tets).
+void keep_regions(TetMesh& mesh, const std::vector<bool>& kept);
 
 /// Puts the tets of each region one after the other (region 0 first), otherwise in the order that they had.
-void group_by_region(TetMesh& mesh, Regions& regions);
+/// Deterministic for any number of threads. O(tets).
+void group_by_region(TetMesh& mesh);
 
-/// The REGN section of a mesh whose tets are grouped by region.
-tetfmt::OptionalSection region_section(const TetMesh& mesh, const Regions& regions);
+/// The REGN section of a mesh whose tets are grouped by region. O(tets).
+tetfmt::OptionalSection region_section(const TetMesh& mesh);
 
 }  // namespace tetprep
