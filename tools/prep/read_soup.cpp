@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
+#include <system_error>
 
 #include "tetfmt/mapped_file.hpp"
 
@@ -37,10 +38,51 @@ void SourceFile::fail(std::size_t line, const std::string& message) const {
   throw Failure(ExitCode::invalid, path + (line == 0 ? "" : ":" + std::to_string(line)) + ": " + message);
 }
 
-std::string quoted(std::string_view word) {
+void SourceFile::unsupported(std::size_t line, const std::string& message) const {
+  throw Failure(ExitCode::unsupported, path + (line == 0 ? "" : ":" + std::to_string(line)) + ": " + message);
+}
+
+void Warnings::add(std::size_t line, const std::string& message) {
+  constexpr std::size_t kMost = 20;
+  if (++count_ <= kMost)
+    kept_.push_back(path_ + (line == 0 ? "" : ":" + std::to_string(line)) + ": " + message);
+}
+
+void Warnings::append_to(std::vector<std::string>& list) const {
+  list.insert(list.end(), kept_.begin(), kept_.end());
+  if (count_ > kept_.size())
+    list.push_back(path_ + ": " + std::to_string(count_ - kept_.size()) + " more warnings like these");
+}
+
+std::string path_beside(const std::string& path, std::string_view name) {
+  std::string relative(name);
+  std::replace(relative.begin(), relative.end(), '\\', '/');
+  const bool drive = relative.size() > 1 && relative[1] == ':';
+  const std::filesystem::path wanted = std::filesystem::path(relative).lexically_normal();
+  if (relative.empty() || drive || wanted.is_absolute() || *wanted.begin() == "..") return {};
+  if (relative.find('\0') != std::string::npos) return {};
+  return (std::filesystem::path(path).parent_path() / wanted).string();
+}
+
+void look_for_texture(const std::string& path, std::string_view name, std::size_t line, Warnings& warnings) {
+  const std::string beside = path_beside(path, name);
+  std::error_code error;
+  if (beside.empty())
+    warnings.add(line,
+                 "texture " + quote(name) + " is outside of this file's folder: named, but not looked for");
+  else if (!std::filesystem::is_regular_file(beside, error))
+    warnings.add(line, "texture " + quote(name) + " is not there: named all the same");
+}
+
+std::string counted(std::string_view what, std::uint64_t number) {
+  return std::string(what) + " " + std::to_string(number) + " (counted from 0)";
+}
+
+std::string quote(std::string_view word) {
   constexpr std::size_t kLongest = 40;
   std::string text = "\"";
-  text += word.substr(0, kLongest);
+  for (const char c : word.substr(0, kLongest))  // a message is one line, whatever the file holds
+    text += static_cast<unsigned char>(c) < ' ' || c == '\x7F' ? '?' : c;
   text += word.size() > kLongest ? "...\"" : "\"";
   return text;
 }

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "prep/read_soup.hpp"
+#include "prep/surface_points.hpp"
 
 namespace tetprep {
 namespace {
@@ -28,40 +30,41 @@ double squared_distance(const Point& a, const Point& b) {
   return dot(d, d);
 }
 
+/// Cuts polygons. Triangles come as positions along the polygon.
 class Triangulator {
  public:
-  Triangulator(const std::vector<Point>& points, TriangleSoup& out) : points_(points), out_(out) {}
+  explicit Triangulator(const std::vector<Point>& points) : points_(points) {}
 
-  void add(const std::vector<Index>& polygon) {
+  /// The triangles of a polygon with three corners or more; valid until the next call.
+  const std::vector<std::array<std::size_t, 3>>& cut(const std::vector<Index>& polygon) {
+    triangles_.clear();
     if (polygon.size() == 4) {
-      add_quad(polygon);
+      cut_quad(polygon);
     } else if (polygon.size() > 4) {
-      add_large(polygon);
+      cut_large(polygon);
     } else {
-      out_.triangles.push_back({polygon[0], polygon[1], polygon[2]});
+      triangles_.push_back({0, 1, 2});
     }
+    return triangles_;
   }
 
  private:
   /// By the shorter diagonal, unless that one lies outside of the quadrilateral.
-  void add_quad(const std::vector<Index>& q) {
+  void cut_quad(const std::vector<Index>& q) {
     const auto at = [&](std::size_t i) { return points_[q[i % 4]]; };
     const auto inside = [&](std::size_t i) {  // the diagonal from corner i to corner i + 2
       return dot(normal(at(i), at(i + 1), at(i + 2)), normal(at(i), at(i + 2), at(i + 3))) > 0;
     };
     const bool even_is_shorter = squared_distance(at(0), at(2)) <= squared_distance(at(1), at(3));
     const bool even = even_is_shorter ? inside(0) || !inside(1) : inside(0) && !inside(1);
-    if (even) {
-      out_.triangles.push_back({q[0], q[1], q[2]});
-      out_.triangles.push_back({q[0], q[2], q[3]});
-    } else {
-      out_.triangles.push_back({q[0], q[1], q[3]});
-      out_.triangles.push_back({q[1], q[2], q[3]});
-    }
+    if (even)
+      triangles_ = {{0, 1, 2}, {0, 2, 3}};
+    else
+      triangles_ = {{0, 1, 3}, {1, 2, 3}};
   }
 
   /// Not as a fan: the fan of a concave polygon overlaps itself.
-  void add_large(const std::vector<Index>& polygon) {
+  void cut_large(const std::vector<Index>& polygon) {
     loop_.clear();
     for (const Index i : polygon) loop_.emplace_back(points_[i][0], points_[i][1], points_[i][2]);
     pieces_.clear();
@@ -72,67 +75,115 @@ class Triangulator {
       pieces_.clear();
       for (int i = 2; i < static_cast<int>(polygon.size()); ++i) pieces_.emplace_back(0, i - 1, i);
     }
-    std::vector<std::array<int, 3>> sorted;
     for (const auto& piece : pieces_) {
       // Positions along the polygon that ascend run around it the way that the polygon does.
-      std::array<int, 3> corners{piece.first, piece.second, piece.third};
-      std::sort(corners.begin(), corners.end());
-      sorted.push_back(corners);
+      triangles_.push_back({static_cast<std::size_t>(piece.first), static_cast<std::size_t>(piece.second),
+                            static_cast<std::size_t>(piece.third)});
+      std::sort(triangles_.back().begin(), triangles_.back().end());
     }
-    std::sort(sorted.begin(), sorted.end());
-    for (const auto& c : sorted) {
-      out_.triangles.push_back({polygon[static_cast<std::size_t>(c[0])],
-                                polygon[static_cast<std::size_t>(c[1])],
-                                polygon[static_cast<std::size_t>(c[2])]});
-    }
+    std::sort(triangles_.begin(), triangles_.end());
   }
 
   const std::vector<Point>& points_;
-  TriangleSoup& out_;
+  std::vector<std::array<std::size_t, 3>> triangles_;
   std::vector<Kernel::Point_3> loop_;
   std::vector<CGAL::Triple<int, int, int>> pieces_;
 };
 
+/// The polygons of one file on their way to triangles.
+class Builder {
+ public:
+  Builder(const SourceFile& file, PolygonSoup& soup)
+      : file_(file), soup_(soup), surface_points_(soup), triangulator_(soup.points) {}
+
+  TriangleSoup build() {
+    TriangleSoup out;
+    Appearance& appearance = out.appearance;
+    out.triangles.reserve(soup_.ends.size());
+    if (surface_points_.any()) appearance.corners.reserve(soup_.ends.size());
+    std::size_t begin = 0;
+    for (std::size_t face = 0; face < soup_.ends.size(); ++face) {
+      take_polygon(face, begin);
+      begin = soup_.ends[face];
+      for (const auto& [a, b, c] : triangulator_.cut(polygon_)) {
+        out.triangles.push_back({polygon_[a], polygon_[b], polygon_[c]});
+        if (surface_points_.any()) appearance.corners.push_back({values_[a], values_[b], values_[c]});
+        if (!soup_.face_materials.empty()) appearance.triangle_material.push_back(soup_.face_materials[face]);
+        if (!soup_.face_objects.empty()) appearance.triangle_object.push_back(soup_.face_objects[face]);
+      }
+    }
+    surface_points_.fill(appearance);
+    if (appearance.surface_points == 0) {
+      appearance.corners.clear();
+      appearance.properties.clear();
+    }
+    out.points = std::move(soup_.points);
+    out.warnings = std::move(soup_.warnings);
+    finish(appearance);
+    return out;
+  }
+
+ private:
+  /// Checks polygon `face`, whose corners start at `begin`, and makes it the current one.
+  void take_polygon(std::size_t face, std::size_t begin) {
+    const std::size_t line = face < soup_.lines.size() ? soup_.lines[face] : 0;
+    const std::size_t count = soup_.ends[face] - begin;
+    if (count < 3)
+      file_.fail(line, counted("face", face) + " has " + std::to_string(count) + " corners, not 3 or more");
+    polygon_.clear();
+    values_.clear();
+    for (std::size_t corner = begin; corner < soup_.ends[face]; ++corner) {
+      const std::uint64_t point = soup_.corners[corner];
+      if (point >= soup_.points.size())
+        file_.fail(line, counted("face", face) + " refers to point " + std::to_string(point) +
+                             " (counted from 0), but there are only " + std::to_string(soup_.points.size()));
+      for (const double coordinate : soup_.points[point]) {
+        if (std::isfinite(coordinate)) continue;
+        file_.fail(point < soup_.point_lines.size() ? soup_.point_lines[point] : 0,
+                   counted("point", point) + " has a coordinate that is " +
+                       (std::isnan(coordinate) ? "not a number" : "infinite"));
+      }
+      polygon_.push_back(static_cast<Index>(point));
+      if (surface_points_.any()) values_.push_back(surface_points_.at(corner));
+    }
+  }
+
+  void finish(Appearance& appearance) {
+    appearance.materials = std::move(soup_.materials);
+    if (appearance.materials.empty()) appearance.triangle_material.clear();
+    if (soup_.objects.size() < 2) appearance.triangle_object.clear();
+    // Triangles without a material among others that have one: a material that says nothing is theirs.
+    const auto none = static_cast<Index>(appearance.materials.size());
+    bool used = false;
+    for (Index& material : appearance.triangle_material) {
+      if (material != kNone) continue;
+      material = none;
+      used = true;
+    }
+    if (used) appearance.materials.emplace_back();
+    if (appearance.materials.size() < 2) appearance.triangle_material.clear();
+
+    const std::string source = std::filesystem::path(file_.path).filename().string();
+    for (std::string& name : soup_.objects) appearance.objects.push_back({std::move(name), source});
+    if (appearance.objects.empty()) appearance.objects.push_back({{}, source});
+  }
+
+  const SourceFile& file_;
+  PolygonSoup& soup_;
+  SurfacePoints surface_points_;
+  Triangulator triangulator_;
+  std::vector<Index> polygon_, values_;  ///< points and surface points of the current polygon
+};
+
 }  // namespace
 
-TriangleSoup triangulate(const SourceFile& file, const PolygonSoup& soup) {
+TriangleSoup triangulate(const SourceFile& file, PolygonSoup soup) {
   constexpr std::size_t kMost = 0x7FFFFFFE;  // Index, minus the values with bit 31
   if (soup.ends.empty())
     file.fail(0, soup.points.empty() ? "no mesh in it" : "points without faces: there is no surface in it");
   if (soup.points.size() > kMost || soup.corners.size() > kMost)
-    throw Failure(ExitCode::unsupported, file.path + ": more than 2^31 points or face corners");
-
-  const auto face_name = [](std::size_t face) {
-    return "face " + std::to_string(face) + " (counted from 0)";
-  };
-  TriangleSoup out;
-  out.points = soup.points;
-  out.triangles.reserve(soup.ends.size());
-  Triangulator triangulator(out.points, out);
-  std::vector<Index> polygon;
-  std::size_t begin = 0;
-  for (std::size_t face = 0; face < soup.ends.size(); ++face) {
-    const std::size_t line = face < soup.lines.size() ? soup.lines[face] : 0;
-    const std::size_t count = soup.ends[face] - begin;
-    if (count < 3)
-      file.fail(line, face_name(face) + " has " + std::to_string(count) + " corners, not 3 or more");
-    polygon.clear();
-    for (; begin < soup.ends[face]; ++begin) {
-      const std::uint64_t point = soup.corners[begin];
-      if (point >= soup.points.size())
-        file.fail(line, face_name(face) + " refers to point " + std::to_string(point) +
-                            " (counted from 0), but there are only " + std::to_string(soup.points.size()));
-      for (const double coordinate : soup.points[point]) {
-        if (std::isfinite(coordinate)) continue;
-        file.fail(point < soup.point_lines.size() ? soup.point_lines[point] : 0,
-                  "point " + std::to_string(point) + " (counted from 0) has a coordinate that is " +
-                      (std::isnan(coordinate) ? "not a number" : "infinite"));
-      }
-      polygon.push_back(static_cast<Index>(point));
-    }
-    triangulator.add(polygon);
-  }
-  return out;
+    file.unsupported(0, "more than 2^31 points or face corners");
+  return Builder(file, soup).build();
 }
 
 }  // namespace tetprep
