@@ -2,7 +2,6 @@
 #include "prep/flips.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -14,16 +13,6 @@ namespace {
 constexpr double kLeastGain = 1e-6;
 
 }  // namespace
-
-double triangle_area(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
-  std::array<double, 3> u{}, v{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    u[i] = b[i] - a[i];
-    v[i] = c[i] - a[i];
-  }
-  const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-  return std::sqrt(x * x + y * y + z * z) / 2;
-}
 
 bool FlipFinder::remove_edge(Index a, Index b, Flip& flip) {
   const std::size_t n = ring_size_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -17,7 +18,15 @@ struct Flip {
   double gain = 0;  ///< area of free faces that goes away, in squares of the grid's step
 };
 
-double triangle_area(const GridPoint& a, const GridPoint& b, const GridPoint& c);
+inline double triangle_area(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
+  std::array<double, 3> u{}, v{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    u[i] = b[i] - a[i];
+    v[i] = c[i] - a[i];
+  }
+  const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+  return std::sqrt(x * x + y * y + z * z) / 2;
+}
 
 /// Looks for flips. Reads the mesh, whose tets must all be positive, and keeps what it needs for a search:
 /// one for each thread.
