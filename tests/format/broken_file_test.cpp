@@ -509,6 +509,27 @@ const std::vector<Case>& cases() {
          rehash(bytes);
          return bytes;
        }},
+      {Code::crossing, "two rooms that cross",
+       [] { return encode(joined(region_mesh(4, {1}), region_mesh(4, {1}), 1), Layout::tet20); }},
+      {Code::crossing, "two rooms in one place",
+       [] { return encode(joined(region_mesh(3, {1}), region_mesh(3, {1}), 0), Layout::tet20); }},
+      {Code::crossing, "two rooms that touch along a wall",
+       [] {
+         // One room twice; one is moved by its width in x by hand, so that they share no ids.
+         Mesh mesh = joined(region_mesh(3, {1}), region_mesh(3, {1}), 0);
+         for (std::size_t i = mesh.vertices.size() / 2; i < mesh.vertices.size(); ++i)
+           mesh.vertices[i].x += 1;
+         return encode(mesh, Layout::tet20);
+       }},
+      {Code::overlap, "a room inside another",
+       [] { return encode(joined(region_mesh(7, {1}), region_mesh(3, {1}), 2), Layout::tet20); }},
+      {Code::overlap, "a room inside what is around another",
+       [] {
+         LatticeOptions corner;
+         corner.high = 3;
+         const Mesh around = with_regions(lattice_mesh(9, corner), {0});
+         return encode(joined(around, region_mesh(3, {1}), 3), Layout::tet20);
+       }},
       {Code::region_table, "a gap",
        [] { return regioned([](std::vector<Region>& r) { ++r[1].first_tet, --r[1].tet_count; }); }},
       {Code::region_table, "too short",
@@ -596,9 +617,11 @@ const std::vector<Case>& cases() {
 }
 
 TEST(BrokenFile, TheUnbrokenOnesAreValid) {
-  for (const Mesh& mesh : {one_tet(), two_tets(), full_mesh(3), full_mesh(7), lattice_mesh(4),
-                           attributed_mesh(), region_mesh(3, {0}), region_mesh(4, {0}), region_mesh(3, {1}),
-                           region_mesh(4, {1}), region_mesh(3, {0, 1})}) {
+  for (const Mesh& mesh :
+       {one_tet(), two_tets(), full_mesh(3), full_mesh(7), lattice_mesh(4), attributed_mesh(),
+        region_mesh(3, {0}), region_mesh(4, {0}), region_mesh(3, {1}), region_mesh(4, {1}),
+        region_mesh(3, {0, 1}), joined(region_mesh(4, {1}), region_mesh(4, {1}), 4),
+        joined(region_mesh(9, {0}), region_mesh(3, {1}), 3)}) {
     const Bytes bytes = tetfmt::encode(mesh, Layout::tet20);
     EXPECT_TRUE(tetfmt::validate(bytes).valid()) << text(tetfmt::validate(bytes));
   }

@@ -123,4 +123,41 @@ inline tetfmt::Mesh with_regions(const tetfmt::Mesh& whole, const std::vector<te
   return mesh;
 }
 
+/// Two meshes of one region each, made by with_regions(), as one file; the second one moved by `shift`.
+inline tetfmt::Mesh joined(tetfmt::Mesh mesh, const tetfmt::Mesh& other, float shift) {
+  using tetfmt::Index;
+  const auto vertices = static_cast<Index>(mesh.vertices.size()), tets = static_cast<Index>(mesh.tets.size());
+  const auto sides = static_cast<Index>(mesh.sides.size()),
+             triangles = static_cast<Index>(mesh.triangles.size());
+  const auto moved = [&](const tetfmt::Vec3f& p) {
+    return tetfmt::Vec3f{p.x + shift, p.y + shift, p.z + shift};
+  };
+  for (const tetfmt::Vec3f& vertex : other.vertices) mesh.vertices.push_back(moved(vertex));
+  for (tetfmt::FullTet tet : other.tets) {
+    for (Index& id : tet.vertices) id += vertices;
+    for (tetfmt::Ref& ref : tet.neighbors)
+      if (ref != tetfmt::kHull) ref += tetfmt::is_tet(ref) ? tets : sides;
+    mesh.tets.push_back(tet);
+  }
+  for (tetfmt::Side side : other.sides) {
+    if (side.tet != tetfmt::kNone) side.tet += tets;
+    side.triangle += triangles;
+    mesh.sides.push_back(side);
+  }
+  for (tetfmt::Triangle triangle : other.triangles) {
+    for (Index& id : triangle.vertices) id += vertices;
+    mesh.triangles.push_back(triangle);
+  }
+  for (const Index source : other.sources) mesh.sources.push_back(source + tets);
+  std::vector<tetfmt::Region> table(2);
+  std::memcpy(&table[0], mesh.optional.at(0).bytes.data(), sizeof(tetfmt::Region));
+  std::memcpy(&table[1], other.optional.at(0).bytes.data(), sizeof(tetfmt::Region));
+  table[1].first_tet += tets;
+  table[1].id = table[0].id + 1;
+  table[1].lower = moved(table[1].lower);
+  table[1].upper = moved(table[1].upper);
+  mesh.optional = {optional_section(tetfmt::kRegions, sizeof(tetfmt::Region), table)};
+  return mesh;
+}
+
 }  // namespace tetfmt_test
