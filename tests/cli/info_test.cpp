@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/cli_support.hpp"
+#include "support/region_mesh.hpp"
 
 namespace tetfmt_test {
 namespace {
@@ -56,6 +57,81 @@ TEST_F(CliTest, InfoTextShowsTheFacts) {
        {"tet20", "1,296", "343", "10 20 30", "VERT", "TETS", "source tet", "2 2 2  to  4 4 4"}) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
   }
+}
+
+TEST_F(CliTest, InfoListsRegionsAndWhatWasLeftOut) {
+  LatticeOptions options;
+  options.low = 2;
+  options.origin = {10, 20, 30};
+  write_mesh("all.tet", with_regions(lattice_mesh(6, options), {0, 1}));
+  write_mesh("inside.tet", with_regions(lattice_mesh(6, options), {1}));
+  ASSERT_EQ(tet({"validate", "all.tet"}).exit_code, 0);
+  ASSERT_EQ(tet({"validate", "inside.tet"}).exit_code, 0);
+  Json info = Json::parse(tet({"info", "all.tet", "--format", "json"}).out);
+  EXPECT_EQ(info["partial"], false);
+  EXPECT_EQ(info["one_sided_faces"], 0);
+  ASSERT_EQ(info["regions"].size(), 2u);
+  EXPECT_EQ(info["regions"][0]["id"], 0);
+  EXPECT_EQ(info["regions"][0]["tets"], 6 * (6 * 6 * 6 - 2 * 2 * 2));
+  EXPECT_EQ(info["regions"][0]["volume"], 6.0 * 6 * 6 - 2 * 2 * 2);
+  EXPECT_EQ(info["regions"][1]["volume"], 8.0);
+  EXPECT_EQ(info["regions"][1]["low"], Json({12.0, 22.0, 32.0}));
+  EXPECT_EQ(info["regions"][1]["high"], Json({14.0, 24.0, 34.0}));
+
+  info = Json::parse(tet({"info", "inside.tet", "--format", "json"}).out);
+  EXPECT_EQ(info["partial"], true);
+  EXPECT_EQ(info["one_sided_faces"], 48);
+  ASSERT_EQ(info["regions"].size(), 1u);
+  EXPECT_EQ(info["regions"][0]["id"], 1);
+  const RunResult text = tet({"info", "inside.tet"});
+  for (const char* part : {"one-sided faces", "48", "region", "12 22 32  to  14 24 34", "8"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << text.out;
+}
+
+TEST_F(CliTest, InfoTextShowsTheFirstOfMany) {
+  auto mesh = box_mesh();
+  mesh.optional = {
+      optional_section(tetfmt::kMaterials, sizeof(tetfmt::Material), std::vector<tetfmt::Material>(25)),
+      optional_section(tetfmt::kObjects, sizeof(tetfmt::Object), std::vector<tetfmt::Object>(21))};
+  write_mesh("box.tet", mesh);
+  const RunResult text = tet({"info", "box.tet"});
+  for (const char* part : {"material 19", "... and 5 more", "object 19", "... and 1 more"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << text.out;
+  EXPECT_EQ(text.out.find("material 20"), std::string::npos);
+  const Json info = Json::parse(tet({"info", "box.tet", "--format", "json"}).out);
+  EXPECT_EQ(info["materials"].size(), 25u);
+  EXPECT_EQ(info["objects"].size(), 21u);
+}
+
+TEST_F(CliTest, InfoTellsWhichAttributesThereAre) {
+  auto mesh = box_mesh();
+  const std::string texts("walls\0quality\0", 14);
+  const auto bytes = std::as_bytes(std::span(texts));
+  tetfmt::Material material;
+  material.name = 0;
+  material.base_color = {1, 0.5f, 0, 1};
+  const std::vector<std::array<tetfmt::Index, 3>> corners(12, {0, 1, 1});
+  mesh.optional = {
+      {tetfmt::kTexts, 1, {bytes.begin(), bytes.end()}},
+      optional_section(tetfmt::kMaterials, sizeof material, std::vector{material}),
+      optional_section(tetfmt::kCorners, 12, corners),
+      optional_section(tetfmt::kTexcoords, 8, std::vector<std::array<float, 2>>(2)),
+      optional_section(tetfmt::kProperties, 8, std::vector<tetfmt::Property>{{6, 3}, {tetfmt::kNone, 99}}),
+      optional_section(tetfmt::kPropertyValues, 8, std::vector<double>(4))};
+  write_mesh("box.tet", mesh);
+  const Json info = Json::parse(tet({"info", "box.tet", "--format", "json"}).out);
+  EXPECT_EQ(info["materials"][0]["name"], "walls");
+  EXPECT_EQ(info["materials"][0]["base_color"], Json({1.0, 0.5, 0.0, 1.0}));
+  const Json& attributes = info["attributes"];
+  EXPECT_EQ(attributes["surface_points"], 2);
+  EXPECT_EQ(attributes["normals"], false);
+  EXPECT_EQ(attributes["texcoords"], true);
+  EXPECT_EQ(attributes["properties"][0]["name"], "quality");
+  EXPECT_EQ(attributes["properties"][0]["type"], "uint16");
+  EXPECT_EQ(attributes["properties"][1]["type"], 99);  // info shows; `tet validate` judges
+  const RunResult text = tet({"info", "box.tet"});
+  for (const char* part : {"texture coordinates, property quality (uint16)", "2 surface points", "\"walls\""})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << text.out;
 }
 
 TEST_F(CliTest, InfoSurvivesHostileMetadata) {
