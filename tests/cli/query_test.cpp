@@ -7,6 +7,7 @@
 
 #include "cli/cli_support.hpp"
 #include "cli/npy_bytes.hpp"
+#include "support/region_mesh.hpp"
 #include "tetfmt/encode.hpp"
 
 namespace tetfmt_test {
@@ -387,6 +388,32 @@ TEST_F(CliTest, QueryReplacesAnOldFileOnlyOnSuccess) {
   EXPECT_EQ(tet({"query", "box.tet", "--rays", "good.csv", "--hits", "link.csv"}).exit_code, 0);
   EXPECT_EQ(read_bytes("hits.csv").substr(0, 9), "triangle,");
   EXPECT_TRUE(std::filesystem::is_symlink("link.csv"));
+}
+
+TEST_F(CliTest, QueryTellsRaysFromLeftOutSpace) {
+  write_mesh("outside.tet", with_regions(box_mesh(), {0}));
+  write_mesh("inside.tet", with_regions(box_mesh(), {1}));
+  ASSERT_EQ(tet({"validate", "outside.tet"}).exit_code, 0);
+  // From the middle of the box up, and from above it down.
+  const std::string rays = "13,23,33,0,0,1\n13,23,50,0,0,-1\n13,23,50,0,0,1\n";
+  const RunResult outside = tet({"query", "outside.tet", "--rays", "-", "--hits", "-"}, rays);
+  ASSERT_EQ(outside.exit_code, 0) << outside.err;
+  EXPECT_TRUE(is_one_line(outside.err, "tet query", {"1 ray", "leaves out", "first ray 0", "--keep all"}));
+  std::istringstream lines(outside.out);
+  std::string line;
+  std::getline(lines, line);
+  std::getline(lines, line);
+  EXPECT_EQ(line, "-2,nan,0,0,-1,-1,-1");
+  std::getline(lines, line);
+  EXPECT_TRUE(line.starts_with("10,16,") || line.starts_with("11,16,")) << line;
+  EXPECT_TRUE(line.ends_with(",-1")) << line;  // nothing is known behind the wall
+  std::getline(lines, line);
+  EXPECT_EQ(line, "-1,inf,0,0,-1,-1,-1");
+
+  const RunResult inside = tet({"query", "inside.tet", "--rays", "-", "--hits", "-"}, rays);
+  ASSERT_EQ(inside.exit_code, 0) << inside.err;
+  EXPECT_TRUE(is_one_line(inside.err, "tet query", {"2 rays", "first ray 1"}));
+  EXPECT_NE(inside.out.find("-2,nan,0,0,-1,-1,-1\n-2,nan,0,0,-1,-1,-1\n"), std::string::npos) << inside.out;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "cli/cli_support.hpp"
+#include "support/region_mesh.hpp"
 
 namespace tetfmt_test {
 namespace {
@@ -299,6 +300,17 @@ TEST_F(CliTest, TraceRefusesAbsurdCameras) {
     EXPECT_TRUE(is_one_line(result.err, "tet trace", {option, "--eye"}));
   }
   EXPECT_EQ(listing(), std::vector<std::string>{"box.tet"});
+}
+
+TEST_F(CliTest, TraceNeedsACameraInSpaceThatIsThere) {
+  write_mesh("box.tet", with_regions(box_mesh(), {1}));
+  const RunResult absent = tet({"trace", "box.tet", "-o", "out.png", "--size", "8x8"});
+  EXPECT_EQ(absent.exit_code, 1);
+  EXPECT_TRUE(is_one_line(absent.err, "tet trace", {"leaves out", "--eye", "--keep all"}));
+  EXPECT_FALSE(std::filesystem::exists("out.png"));
+  const Picture inside =
+      trace({"--shade", "normal", "--size", "9x9", "--eye", "13,23,33", "--look-at", "13,23,34"});
+  EXPECT_EQ(inside.at(4, 4), (std::array<int, 3>{128, 128, 255}));
 }
 
 }  // namespace

@@ -56,6 +56,7 @@ struct Block {
   std::size_t rounded = 0;            ///< numbers that local space had to round
   Tally directionless;                ///< rays whose direction is zero in float32
   Tally lost;                         ///< rays that only the float kernel could not answer
+  Tally absent;                       ///< rays that start in space that the file leaves out
 };
 
 /// Model space is shifted in double and rounded once; local space should not need rounding, so it is counted.
@@ -109,6 +110,7 @@ Block answer(const QueryOptions& options, const tetfmt::FileView& view, const Ra
       block.corrupt = i;
       return block;
     }
+    if (hit.outcome == tetfmt::Outcome::absent) block.absent.add(i);
   }
   block.formatted = out.format(hits);
   return block;
@@ -132,7 +134,7 @@ int run_query(const QueryOptions& options) {
   HitFile out(options.hits, rays.size());
 
   std::size_t rounded = 0;
-  Tally directionless, lost;
+  Tally directionless, lost, absent;
   TerminalProgress progress(options.hits != "-");
   progress.stage("query");
   with_threads(options.threads, [&] {
@@ -157,6 +159,7 @@ int run_query(const QueryOptions& options) {
         rounded += block.rounded;
         directionless.add(block.directionless);
         lost.add(block.lost);
+        absent.add(block.absent);
       }
       progress.fraction(static_cast<double>(begin) / static_cast<double>(rays.size()));
     }
@@ -172,6 +175,11 @@ int run_query(const QueryOptions& options) {
     warn(rays_text(directionless) + " of " + rays_name + (directionless.count == 1 ? " has" : " have") +
          " direction zero in float32 and " + (directionless.count == 1 ? "hits" : "hit") +
          " nothing, first ray " + std::to_string(directionless.first));
+  }
+  if (absent.count > 0) {
+    warn(rays_text(absent) + " of " + rays_name + (absent.count == 1 ? " starts" : " start") +
+         " in space that " + options.file + " leaves out, first ray " + std::to_string(absent.first) +
+         "; convert with --keep all to have it");
   }
   if (lost.count > 0) {
     warn("float kernel lost " + rays_text(lost) + " of " + rays_name + ", first ray " +
@@ -223,16 +231,22 @@ void add_query_command(CLI::App& app, std::function<int()>& run) {
       ->type_name("N");
   verb->footer(
       "Fields of an answer:\n"
-      "  triangle  int32    number of the input triangle, in input order from 0; -1: a miss\n"
-      "  t         float64  where: origin + t * direction, in units of the given direction; inf for a miss\n"
+      "  triangle  int32    number of the input triangle, in input order from 0; -1: a miss; -2: the ray "
+      "starts "
+      "in space\n"
+      "                     that the file leaves out (tet convert --keep), so that nothing is known of it\n"
+      "  t         float64  where: origin + t * direction, in units of the given direction; inf for a miss, "
+      "nan "
+      "with -2\n"
       "  u, v      float64  barycentric weights of the triangle's 2nd and 3rd corner\n"
-      "  side      int32    0: met from the front, where (b - a) x (c - a) points; 1: from the back; -1: a "
-      "miss\n"
-      "  tet       int32    the tetrahedron that the ray came through; -1: a miss\n"
-      "  neighbor  int32    the tetrahedron beyond the triangle; -1: a miss\n"
+      "  side      int32    0: met from the front, where (b - a) x (c - a) points; 1: from the back; -1: no "
+      "hit\n"
+      "  tet       int32    the tetrahedron that the ray came through; -1: no hit\n"
+      "  neighbor  int32    the tetrahedron beyond the triangle; -1: no hit, or the file leaves out what is "
+      "there\n"
       "Directions need not be of unit length. A direction that is zero in float32 hits nothing, with a "
       "warning that\n"
-      "counts rays from 0. Numbers that "
+      "counts rays from 0; rays from left-out space are told likewise. Numbers that "
       "are not\n"
       "finite are errors.\n"
       "\n"

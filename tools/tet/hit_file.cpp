@@ -2,6 +2,7 @@
 #include "tet/hit_file.hpp"
 
 #include <cstring>
+#include <limits>
 
 #include "common/npy.hpp"
 #include "common/parse.hpp"
@@ -15,7 +16,7 @@ constexpr const char* kDescr =
     "('neighbor', '<i4')]";
 constexpr const char* kCsvHeader = "triangle,t,u,v,side,tet,neighbor\n";
 
-/// One hit in the columns' order and types. Absent indices are kNone, which is -1 here.
+/// One hit in the columns' order and types. Indices that there are none of are kNone, which is -1 here.
 struct Row {
   std::int32_t triangle;
   double t, u, v;
@@ -23,6 +24,8 @@ struct Row {
 };
 
 Row row_of(const tetfmt::Hit& hit) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (hit.outcome == tetfmt::Outcome::absent) return {-2, kNaN, 0, 0, -1, -1, -1};
   if (hit.outcome != tetfmt::Outcome::hit) return {-1, tetfmt::Hit{}.t, 0, 0, -1, -1, -1};
   return {static_cast<std::int32_t>(hit.triangle),
           hit.t,

@@ -13,7 +13,8 @@
 
 namespace tetprep {
 
-/// Takes hits in order, in pieces. Nothing is at the target before commit().
+/// Takes hits in order, in pieces. A miss is triangle -1 at t = inf; a ray that starts in space that the file
+/// leaves out is triangle -2 at t = nan. Nothing is at the target before commit().
 class HitFile {
  public:
   /// `path` ends in .npy or .csv, or is "-": CSV on standard output. Exactly `count` hits must be written.

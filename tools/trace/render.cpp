@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "common/failure.hpp"
+#include "common/parse.hpp"
 #include "common/threads.hpp"
 
 namespace tetprep {
@@ -115,6 +116,17 @@ Rendering render(const tetfmt::FileView& view, const Camera& camera, const Rende
   picture.start = tetfmt::locate(view, picture.eye);
   if (picture.start.state == tetfmt::Location::State::corrupt) {
     throw Failure(ExitCode::invalid, "the camera cannot be located in this file; run `tet validate` on it");
+  }
+
+  if (picture.start.state == tetfmt::Location::State::absent) {
+    const Vec3 eye = camera.eye;
+    const auto& origin = view.header().origin;
+    throw Failure(
+        ExitCode::usage,
+        "the camera at " + number(eye.x + origin[0]) + "," + number(eye.y + origin[1]) + "," +
+            number(eye.z + origin[2]) +
+            " is in space that the file leaves out; place it elsewhere with --eye (`tet info` lists "
+            "the regions that are there), or convert with --keep all");
   }
 
   RenderStatistics statistics;

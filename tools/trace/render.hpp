@@ -30,8 +30,9 @@ struct Rendering {
 };
 
 /// The picture that `camera` takes of the surface in `view`. The same for any number of threads: pixels do
-/// not depend on each other, and sums of a picture are integers. Throws Failure (invalid) if a ray meets
-/// bytes that are no mesh. O(rays * steps) time, 43 bytes a pixel.
+/// not depend on each other, and sums of a picture are integers. Throws Failure: invalid if a ray meets bytes
+/// that are no mesh, usage if the camera is in space that the file leaves out. O(rays * steps) time, 43 bytes
+/// a pixel.
 Rendering render(const tetfmt::FileView& view, const Camera& camera, const RenderOptions& options,
                  Progress& progress);
 

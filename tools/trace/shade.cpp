@@ -10,8 +10,8 @@ namespace {
 /// (b - a) x (c - a), unit length; zero for a triangle that is none.
 Vec3 triangle_normal(const tetfmt::FileView& view, tetfmt::Index triangle) {
   const auto vertices = view.vertices();
-  if (triangle >= view.triangles().size()) return {};
-  const auto& corners = view.triangles()[triangle].vertices;
+  if (triangle >= view.input_triangles().size()) return {};
+  const auto& corners = view.input_triangles()[triangle].vertices;
   for (const tetfmt::Index v : corners) {
     if (v >= vertices.size()) return {};
   }
