@@ -134,11 +134,19 @@ std::string as_obj(const TriangleSoup& soup) {
   return text;
 }
 
-tetprep::TetMesh fill(const tetprep::CleanSurface& surface, tetprep::TetrahedralizeReport* report) {
+tetprep::TetMesh fill(tetprep::CleanSurface& surface, tetprep::TetrahedralizeReport* report) {
   tetprep::Progress progress;
   tetprep::StageLog log(progress);
   tetprep::TetrahedralizeReport unused;
   return tetprep::tetrahedralize(surface, {}, progress, log, report != nullptr ? *report : unused);
+}
+
+tetprep::TetMesh fill(const tetprep::CleanSurface& surface, tetprep::TetrahedralizeReport* report) {
+  tetprep::CleanSurface copy = surface;
+  tetprep::TetMesh mesh = fill(copy, report);
+  EXPECT_EQ(copy.points, surface.points);
+  EXPECT_EQ(copy.triangles, surface.triangles);
+  return mesh;
 }
 
 void expect_sound(const tetprep::CleanSurface& surface, const tetprep::TetMesh& mesh) {
@@ -192,7 +200,16 @@ void expect_sound(const tetprep::CleanSurface& surface, const tetprep::TetMesh& 
   EXPECT_EQ(constrained.size(), surface.triangles.size());
   for (const auto& [face, count] : constrained) EXPECT_EQ(count, 2);
   EXPECT_TRUE(std::all_of(used.begin(), used.end(), [](bool u) { return u; }));
-  const auto box = tetprep::box_around(surface.points);
+  // The box is around the surface on the grid that it came on, which may have become finer.
+  const tetprep::Box box{mesh.points[surface.points.size()], mesh.points[surface.points.size() + 7]};
+  for (const tetprep::GridPoint& p : surface.points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_LT(box.low[k], p[k]);
+      EXPECT_GT(box.high[k], p[k]);
+    }
+  }
+  EXPECT_EQ(mesh.origin, surface.origin);
+  EXPECT_EQ(mesh.grid_exponent, surface.grid_exponent);
   Wide expected = 6;
   for (std::size_t k = 0; k < 3; ++k) expected *= box.high[k] - box.low[k];
   EXPECT_TRUE(volume == expected) << "the tets do not fill the box exactly";

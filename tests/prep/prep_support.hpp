@@ -52,7 +52,8 @@ std::string as_obj(const TriangleSoup& soup);
 /// Everything that tetrahedralize() promises, checked without its own checks.
 void expect_sound(const tetprep::CleanSurface& surface, const tetprep::TetMesh& mesh);
 
-/// tetrahedralize() with defaults.
+/// tetrahedralize() with defaults. A surface that must not change is expected not to.
 tetprep::TetMesh fill(const tetprep::CleanSurface& surface, tetprep::TetrahedralizeReport* report = nullptr);
+tetprep::TetMesh fill(tetprep::CleanSurface& surface, tetprep::TetrahedralizeReport* report = nullptr);
 
 }  // namespace tetprep_test

@@ -25,8 +25,9 @@ using tetprep::snap;
 using tetprep::TetMesh;
 
 void expect_filled(const TriangleSoup& soup) {
-  const CleanSurface surface = snap(soup);
-  expect_sound(surface, fill(surface));
+  CleanSurface surface = snap(soup);
+  const TetMesh mesh = fill(surface);
+  expect_sound(surface, mesh);
 }
 
 TEST(Tetrahedralize, Cube) {
@@ -83,7 +84,7 @@ TEST(Tetrahedralize, CrossedSlabs) {  // Schoenhardt-like: boundary recovery has
   expect_filled(soup);
 }
 
-std::vector<tetprep::TrianglePair> intersections_of(const CleanSurface& surface) {
+std::vector<tetprep::TrianglePair> intersections_of(CleanSurface surface) {
   try {
     fill(surface);
   } catch (const tetprep::Intersecting& intersecting) {
@@ -93,7 +94,7 @@ std::vector<tetprep::TrianglePair> intersections_of(const CleanSurface& surface)
 }
 
 TEST(Tetrahedralize, IntersectionsAreHandedOutAndNamed) {
-  const CleanSurface surface = snap(join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8)));
+  CleanSurface surface = snap(join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8)));
   const auto pairs = intersections_of(surface);
   ASSERT_FALSE(pairs.empty());
   for (const auto& [a, b] : pairs) {
@@ -107,7 +108,7 @@ TEST(Tetrahedralize, IntersectionsAreHandedOutAndNamed) {
 TEST(Tetrahedralize, InputNumbersAreNamed) {
   TriangleSoup soup = join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8));
   soup.triangles.insert(soup.triangles.begin(), 100, {0, 0, 1});  // dropped, but they count
-  const CleanSurface surface = snap(soup);
+  CleanSurface surface = snap(soup);
   const auto pairs = intersections_of(surface);
   ASSERT_FALSE(pairs.empty());
   const std::string text = tetprep::describe_intersections(surface, pairs);
@@ -115,7 +116,7 @@ TEST(Tetrahedralize, InputNumbersAreNamed) {
 }
 
 TEST(Tetrahedralize, TimeIsLimited) {
-  const CleanSurface surface = snap(ball(60));
+  CleanSurface surface = snap(ball(60));
   tetprep::Progress progress;
   tetprep::StageLog log(progress);
   tetprep::TetrahedralizeReport report;
@@ -139,7 +140,7 @@ struct ChildInput {
 
 TEST(TetgenChild, KilledChildIsAReason) {
   ChildInput in;
-  tetprep::TetgenChild child(in.points, in.surface.triangles, "pYQ");
+  tetprep::TetgenChild child(in.points, in.surface.triangles, {"pYQ"});
   kill(child.pid(), SIGSEGV);
   const auto outcome = child.wait(60, in.progress, [] { return false; });
   EXPECT_FALSE(outcome.mesh);
@@ -148,7 +149,7 @@ TEST(TetgenChild, KilledChildIsAReason) {
 
 TEST(TetgenChild, GivingUpKillsIt) {
   ChildInput in;
-  tetprep::TetgenChild child(in.points, in.surface.triangles, "pYQ");
+  tetprep::TetgenChild child(in.points, in.surface.triangles, {"pYQ"});
   const pid_t pid = child.pid();
   const auto outcome = child.wait(60, in.progress, [] { return true; });
   EXPECT_FALSE(outcome.mesh);
@@ -159,7 +160,7 @@ TEST(TetgenChild, DestructionKillsIt) {
   pid_t pid = 0;
   {
     ChildInput in;
-    const tetprep::TetgenChild child(in.points, in.surface.triangles, "pYQ");
+    const tetprep::TetgenChild child(in.points, in.surface.triangles, {"pYQ"});
     pid = child.pid();
     EXPECT_EQ(kill(pid, 0), 0);
   }
@@ -168,7 +169,7 @@ TEST(TetgenChild, DestructionKillsIt) {
 
 TEST(TetgenChild, RefusedSwitchesAreAReason) {
   ChildInput in;
-  tetprep::TetgenChild child(in.points, in.surface.triangles, "pw");
+  tetprep::TetgenChild child(in.points, in.surface.triangles, {"pw"});
   const auto outcome = child.wait(60, in.progress, [] { return false; });
   EXPECT_FALSE(outcome.mesh);
   EXPECT_TRUE(mentions(outcome.reason, {"switches"}));
@@ -176,9 +177,9 @@ TEST(TetgenChild, RefusedSwitchesAreAReason) {
 
 TEST(TetgenChild, IntersectingFacetsAreAReason) {
   // Without the search for intersections, TetGen's own complaint arrives as one.
-  const CleanSurface surface = snap(join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8)));
+  CleanSurface surface = snap(join(cube({0, 0, 0}, 8), cube({4, 4, 4}, 8)));
   tetprep::Progress progress;
-  tetprep::TetgenChild child(surface.points, surface.triangles, "pYQ");
+  tetprep::TetgenChild child(surface.points, surface.triangles, {"pYQ"});
   const auto outcome = child.wait(60, progress, [] { return false; });
   EXPECT_FALSE(outcome.mesh);
   EXPECT_FALSE(outcome.reason.empty());
@@ -190,7 +191,7 @@ TEST(TetgenChild, DiesWithItsParent) {
   const pid_t parent = fork();
   if (parent == 0) {
     ChildInput in;
-    const tetprep::TetgenChild child(in.points, in.surface.triangles, "pYQq1.1");
+    const tetprep::TetgenChild child(in.points, in.surface.triangles, {"pYQq1.1"});
     const pid_t pid = child.pid();
     if (write(ends[1], &pid, sizeof pid) < 0) _exit(2);
     kill(getpid(), SIGKILL);

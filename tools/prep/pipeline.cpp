@@ -49,7 +49,7 @@ CleanSurface read_and_snap(const ConvertOptions& options, StageLog& log, Convert
   }
 }
 
-TetMesh tetrahedralize_input(const ConvertOptions& options, unsigned threads, const CleanSurface& surface,
+TetMesh tetrahedralize_input(const ConvertOptions& options, unsigned threads, CleanSurface& surface,
                              Progress& progress, StageLog& log, ConvertReport& report) {
   // TetGen is one of the threads.
   const TetrahedralizeOptions how{options.radius_edge, options.time_limit, options.memory_limit,
@@ -123,7 +123,7 @@ ConvertReport convert(const ConvertOptions& options, Progress& progress) {
     report_file->commit();
   };
 
-  const CleanSurface surface = read_and_snap(options, log, report);
+  CleanSurface surface = read_and_snap(options, log, report);
   std::vector<std::byte> bytes;
   {
     tetfmt::Mesh mesh;

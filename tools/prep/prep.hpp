@@ -101,7 +101,9 @@ struct TetrahedralizeReport {
   /// Triangles of the surface (its numbers) that the last failed attempt got stuck at, as far as known: those
   /// to mark in a debug mesh.
   std::vector<Index> suspects;
-  int grid_refinement = 0;  ///< the TetMesh's grid has 2^this steps to one of the surface's
+  int grid_refinement = 0;   ///< the surface's grid has 2^this steps now to one that it had
+  Index cut_triangles = 0;   ///< of the surface, that TetGen had to put points on
+  double cut_deviation = 0;  ///< largest distance of those points from their triangles, model units
   Index steiner_points = 0;
   Index moved_steiner_points =
       0;                      ///< those that could not stay at the grid point nearest to TetGen's position
@@ -124,10 +126,12 @@ TriangleSoup merge_soups(std::vector<TriangleSoup> soups);
 CleanSurface snap(const TriangleSoup& soup, int coarser_bits = 0);
 
 /// Encloses the surface in a box and fills it with tetrahedra, among whose faces is every triangle as it is.
-/// Throws Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen
+/// `surface` changes only where there is no other way, and the result is about what it is then: its grid may
+/// be 2, 4 or 8 times finer (the same points on it), and where TetGen has to put points on triangles these
+/// are cut there (the report says how many; the points keep to within a step of the surface's grid). Throws Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen
 /// died, or ran out of time or memory, with every choice of switches). The result is checked: exact
 /// orientation of every tet, every triangle there, the hull is the box.
-TetMesh tetrahedralize(const CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
+TetMesh tetrahedralize(CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
                        StageLog& log, TetrahedralizeReport& report);
 
 /// Puts the tets in order along a Hilbert curve: what is near each other in space then is in memory, for

@@ -32,12 +32,14 @@ std::vector<GridPoint> steps_within(int radius) {
 class Mover {
  public:
   Mover(std::vector<GridPoint>& points, std::size_t first_free, std::span<const Point> wanted,
-        std::span<const std::array<Index, 4>> tets, int sign)
+        std::span<const std::array<Index, 4>> tets, int sign, std::size_t bound, int reach)
       : points_(points),
         first_free_(first_free),
         wanted_(wanted),
         tets_(tets),
         sign_(sign),
+        bound_(bound),
+        around_bound_(steps_within(reach)),
         stars_(wanted.size()) {
     for (Index t = 0; t < tets.size(); ++t)
       for (const Index v : tets[t])
@@ -63,6 +65,11 @@ class Mover {
       }
     };
     static const std::vector<GridPoint> near = steps_within(1), far = steps_within(4);
+    if (free < bound_) {
+      try_around(wanted_[free], around_bound_);
+      points_[first_free_ + free] = best;
+      return;
+    }
     try_around(wanted_[free], far);
     const Point middle = middle_of_star(free);
     for (int i = 1; i <= 8; ++i) {
@@ -106,6 +113,8 @@ class Mover {
   std::span<const Point> wanted_;
   std::span<const std::array<Index, 4>> tets_;
   int sign_;
+  std::size_t bound_;
+  std::vector<GridPoint> around_bound_;
   std::vector<std::vector<Index>> stars_;
 };
 
@@ -113,7 +122,8 @@ class Mover {
 
 std::optional<Index> place_steiner_points(std::vector<GridPoint>& points, std::size_t first_free,
                                           std::span<const Point> wanted,
-                                          std::span<const std::array<Index, 4>> tets, int sign) {
+                                          std::span<const std::array<Index, 4>> tets, int sign,
+                                          std::size_t bound, int reach) {
   points.resize(first_free);
   for (const Point& place : wanted) points.push_back(nearest(place));
 
@@ -125,7 +135,7 @@ std::optional<Index> place_steiner_points(std::vector<GridPoint>& points, std::s
     if (is_broken(tets[t])) broken.push_back(t);
   if (broken.empty()) return Index{0};
 
-  Mover mover(points, first_free, wanted, tets, sign);
+  Mover mover(points, first_free, wanted, tets, sign, bound, reach);
   // A point's move can only be blocked by neighbours that stand badly themselves, so a few rounds do.
   constexpr int kRounds = 8;
   for (int round = 0; round < kRounds && !broken.empty(); ++round) {

@@ -7,12 +7,15 @@
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
+#include <cinttypes>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -37,6 +40,20 @@ void leave_parent_behind(pid_t parent) {
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int descriptor : {0, 1, 2}) dup2(nowhere, descriptor);
   prctl(PR_SET_DUMPABLE, 0);  // a crash here is an answer, and needs no core file
+}
+
+/// In the child: allocations beyond `bytes` more than it has now fail. Of the address space, since that is
+/// what the kernel limits; TetGen uses nearly all that it asks for.
+void limit_memory(std::uint64_t bytes) {
+  if (bytes == 0) return;
+  std::uint64_t pages = 0;
+  if (FILE* file = std::fopen("/proc/self/statm", "r")) {
+    if (std::fscanf(file, "%" SCNu64, &pages) != 1) pages = 0;
+    std::fclose(file);
+  }
+  const auto had = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const rlimit limit{had + bytes, had + bytes};
+  setrlimit(RLIMIT_AS, &limit);
 }
 
 }  // namespace
@@ -67,7 +84,8 @@ TetgenMesh::~TetgenMesh() {
 }
 
 TetgenChild::TetgenChild(std::span<const GridPoint> points, std::span<const std::array<Index, 3>> facets,
-                         const std::string& switches) {
+                         const TetgenCall& call)
+    : memory_limit_(call.most_memory) {
   int pipe_ends[2];
   if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail("make a pipe");
   messages_ = pipe_ends[0];
@@ -76,7 +94,8 @@ TetgenChild::TetgenChild(std::span<const GridPoint> points, std::span<const std:
   if (result_ >= 0) pid_ = fork();
   if (pid_ == 0) {
     leave_parent_behind(parent);
-    run_tetgen(points, facets, switches, pipe_ends[1], result_);
+    limit_memory(call.most_memory);
+    run_tetgen(points, facets, call, pipe_ends[1], result_);
     _exit(0);
   }
   const int error = errno;
@@ -113,10 +132,14 @@ TetgenChild::Outcome TetgenChild::wait(double seconds, Progress& progress,
   std::string failure;
 
   const auto receive = [&](const TetgenMessage& message) {
+    if (message.kind == TetgenMessage::Kind::stuck) {
+      outcome.stuck.assign(message.facets.begin(), message.facets.begin() + message.facet_count);
+      return;
+    }
     if (message.kind != TetgenMessage::Kind::failed && stage != "start")
       outcome.stages.push_back({"tetgen: " + stage, message.seconds - stage_started, message.peak_memory_mb});
     if (message.kind == TetgenMessage::Kind::stage) {
-      stage = message.text;
+      outcome.stage = stage = message.text;
       stage_started = message.seconds;
       progress.stage("tetgen: " + stage);
     } else if (message.kind == TetgenMessage::Kind::failed) {
@@ -147,17 +170,28 @@ TetgenChild::Outcome TetgenChild::wait(double seconds, Progress& progress,
   }
 
   int status = 0;
-  while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  rusage used{};
+  while (wait4(pid_, &status, 0, &used) < 0 && errno == EINTR) {
   }
   pid_ = -1;
+  const std::string in_stage = " in stage \"" + stage + "\"";
+  // Where TetGen does not check an allocation, its failure looks like any other crash.
+  const bool near_limit = memory_limit_ > 0 && WIFSIGNALED(status) &&
+                          static_cast<std::uint64_t>(used.ru_maxrss) * 1024 > memory_limit_ / 10 * 9;
   if (done) {
     outcome.mesh = std::make_unique<TetgenMesh>(std::exchange(result_, -1));
+  } else if (failure == kOutOfMemory || near_limit) {
+    outcome.reason = memory_limit_ > 0 ? "needs more than " + std::to_string(memory_limit_ / 1'000'000) +
+                                             " MB of memory," + in_stage
+                                       : kOutOfMemory + ("," + in_stage);
   } else if (!failure.empty()) {
-    outcome.reason = failure + ", in stage \"" + stage + "\"";
+    outcome.reason = failure + "," + in_stage;
+  } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) {
+    outcome.reason = "was killed from outside, most likely for want of memory," + in_stage;
   } else {
     const std::string how = WIFSIGNALED(status) ? std::string("died of ") + strsignal(WTERMSIG(status))
                                                 : "ended with code " + std::to_string(WEXITSTATUS(status));
-    outcome.reason = how + " in stage \"" + stage + "\"";
+    outcome.reason = how + in_stage;
   }
   return outcome;
 }

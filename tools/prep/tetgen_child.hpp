@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "prep/prep.hpp"
+#include "prep/tetgen_stages.hpp"
 
 namespace tetprep {
 
@@ -39,7 +40,7 @@ class TetgenChild {
   /// Forks. The child uses nothing but memory and TetGen; it must not be started while another thread of this
   /// process may hold a lock (glibc's allocator, which takes care of itself, aside).
   TetgenChild(std::span<const GridPoint> points, std::span<const std::array<Index, 3>> facets,
-              const std::string& switches);
+              const TetgenCall& call);
   /// Kills the child if it still runs.
   ~TetgenChild();
   TetgenChild(const TetgenChild&) = delete;
@@ -48,6 +49,8 @@ class TetgenChild {
   struct Outcome {
     std::unique_ptr<TetgenMesh> mesh;  ///< null if there is none
     std::string reason;                ///< then: why, in a few words; empty if `give_up` said so
+    std::string stage;                 ///< the last that began
+    std::vector<Index> stuck;          ///< facets that it had trouble with, the latest
     std::vector<StageCost> stages;     ///< TetGen's own
   };
 
@@ -59,6 +62,7 @@ class TetgenChild {
  private:
   void kill_and_reap();
 
+  std::uint64_t memory_limit_ = 0;
   pid_t pid_ = -1;
   int messages_ = -1;  ///< read end of the pipe
   int result_ = -1;    ///< the shared memory

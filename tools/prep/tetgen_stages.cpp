@@ -13,7 +13,9 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <vector>
 
+#include "prep/tetgen_recover.hpp"
 #include "prep/tetgen_refine.hpp"
 
 namespace tetprep {
@@ -34,6 +36,14 @@ class Messenger {
     if (write(descriptor_, &message, sizeof message) < 0) _exit(1);  // nobody listens any more
   }
 
+  void stuck(const std::vector<int>& facets) const {
+    TetgenMessage message;
+    message.kind = TetgenMessage::Kind::stuck;
+    message.facet_count = static_cast<std::int32_t>(std::min(facets.size(), message.facets.size()));
+    std::copy_n(facets.begin(), message.facet_count, message.facets.begin());
+    if (write(descriptor_, &message, sizeof message) < 0) _exit(1);
+  }
+
   void stage(const char* name) const { send(TetgenMessage::Kind::stage, name); }
 
  private:
@@ -45,7 +55,7 @@ class Messenger {
 const char* meaning(int code) {
   switch (code) {
     case 1:
-      return "out of memory";
+      return kOutOfMemory;
     case 2:
       return "internal error";
     case 3:
@@ -81,7 +91,7 @@ tetgenio* make_input(std::span<const GridPoint> points, std::span<const std::arr
   return in;
 }
 
-void run_stages(tetgenmesh& mesh, const Messenger& messenger) {
+void run_stages(tetgenmesh& mesh, bool may_cut, const Messenger& messenger) {
   tetgenbehavior& options = *mesh.b;
   clock_t unused = 0;
   messenger.stage("points");
@@ -94,10 +104,13 @@ void run_stages(tetgenmesh& mesh, const Messenger& messenger) {
   messenger.stage("surface");
   mesh.meshsurface();
   messenger.stage("boundary recovery");
-  mesh.recoverboundary(unused);
+  recover_boundary(mesh, may_cut ? OnSurface::keep : OnSurface::remove,
+                   [&](const std::vector<int>& facets) { messenger.stuck(facets); });
   messenger.stage("exterior");
   mesh.carveholes();
-  if (mesh.subvertstack->objects > 0) {
+  if (may_cut) {
+    mesh.subvertstack->restart();
+  } else if (mesh.subvertstack->objects > 0) {
     messenger.stage("steiner suppression");
     mesh.suppresssteinerpoints();
   }
@@ -179,12 +192,13 @@ void write_mesh(tetgenmesh& mesh, std::size_t input_points, int result) {
 }  // namespace
 
 void run_tetgen(std::span<const GridPoint> points, std::span<const std::array<Index, 3>> facets,
-                const std::string& switches, int messages, int result) noexcept {
+                const TetgenCall& call, int messages, int result) noexcept {
   const Messenger messenger(messages);
   const auto fail = [&](const char* reason) { messenger.send(TetgenMessage::Kind::failed, reason); };
   try {
     auto* options = new tetgenbehavior;
-    if (!options->parse_commandline(const_cast<char*>(switches.c_str()))) return fail("refused its switches");
+    if (!options->parse_commandline(const_cast<char*>(call.switches.c_str())))
+      return fail("refused its switches");
     // TetGen's bounds without -q: those with -q have it spend its time on angles that matter to no ray
     // (turbine, 18,000 triangles: 22 s of 23).
     options->optmaxdihedral = 179;
@@ -192,14 +206,14 @@ void run_tetgen(std::span<const GridPoint> points, std::span<const std::array<In
     auto* mesh = new tetgenmesh;
     mesh->b = options;
     mesh->in = make_input(points, facets);
-    run_stages(*mesh, messenger);
+    run_stages(*mesh, call.may_cut, messenger);
     messenger.stage("hand over");
     write_mesh(*mesh, points.size(), result);
     messenger.send(TetgenMessage::Kind::done, "");
   } catch (int code) {
     fail(meaning(code));
   } catch (const std::bad_alloc&) {
-    fail("out of memory");
+    fail(kOutOfMemory);
   } catch (...) {
     fail("failed for an unknown reason");
   }
