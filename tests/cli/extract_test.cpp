@@ -2,12 +2,11 @@
 // `tet extract`: the surface comes back as it went in, in every format, and from no broken file.
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <limits>
 #include <map>
-#include <sstream>
 
 #include "cli/cli_support.hpp"
+#include "cli/mesh_files.hpp"
 #include "support/region_mesh.hpp"
 #include "tetfmt/encode.hpp"
 #ifdef TET_HAS_CONVERTER
@@ -22,139 +21,6 @@ using tetfmt::kNone;
 using tetfmt::PropertyType;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-// ------------------------------------------------------------------------------------------- reading files
-
-struct PlyElement {
-  std::vector<std::pair<std::string, std::string>> properties;  ///< type and name, in order
-  std::map<std::string, std::vector<double>> columns;           ///< of the properties that are no lists
-  std::vector<std::vector<double>> lists;                       ///< of the one that is
-  std::size_t count = 0;
-};
-
-struct Ply {
-  std::vector<std::string> comments;
-  std::map<std::string, PlyElement> elements;
-  std::array<double, 3> position(std::size_t face, std::size_t corner) const {
-    const auto& vertices = elements.at("vertex").columns;
-    const auto i = static_cast<std::size_t>(elements.at("face").lists[face][corner]);
-    return {vertices.at("x")[i], vertices.at("y")[i], vertices.at("z")[i]};
-  }
-  /// A vertex property at a face's corner.
-  double at(const std::string& name, std::size_t face, std::size_t corner) const {
-    const auto i = static_cast<std::size_t>(elements.at("face").lists[face][corner]);
-    return elements.at("vertex").columns.at(name)[i];
-  }
-};
-
-template <class T>
-double take(std::istream& in) {
-  T value{};
-  in.read(reinterpret_cast<char*>(&value), sizeof value);
-  return static_cast<double>(value);
-}
-
-/// A reader that believes its file; anything odd shows up as wrong numbers.
-Ply read_ply(const std::string& path) {
-  static const std::map<std::string, std::function<double(std::istream&)>> kTypes = {
-      {"char", take<std::int8_t>},     {"uchar", take<std::uint8_t>}, {"short", take<std::int16_t>},
-      {"ushort", take<std::uint16_t>}, {"int", take<std::int32_t>},   {"uint", take<std::uint32_t>},
-      {"float", take<float>},          {"double", take<double>}};
-  std::istringstream in(read_bytes(path));
-  Ply ply;
-  std::vector<std::string> order;
-  std::string line, format;
-  while (std::getline(in, line) && line != "end_header") {
-    std::istringstream words(line);
-    std::string word, type, name;
-    words >> word >> type;
-    if (word == "comment") ply.comments.push_back(line.substr(8));
-    if (word == "format") format = type;
-    if (word == "element") {
-      order.push_back(type);
-      words >> ply.elements[type].count;
-    }
-    if (word == "property") {
-      if (type == "list") words >> name >> type;  // uchar int
-      std::string last;
-      words >> last;
-      ply.elements[order.back()].properties.emplace_back(name.empty() ? type : "list", last);
-    }
-  }
-  EXPECT_TRUE(format == "ascii" || format == "binary_little_endian") << format;
-  const auto value = [&](const std::string& type) {
-    if (format != "ascii") return kTypes.at(type)(in);
-    std::string word;
-    in >> word;
-    return type == "float" ? static_cast<double>(std::strtof(word.c_str(), nullptr))
-                           : std::strtod(word.c_str(), nullptr);
-  };
-  for (const std::string& name : order) {
-    PlyElement& element = ply.elements[name];
-    for (std::size_t i = 0; i < element.count; ++i) {
-      for (const auto& [type, property] : element.properties) {
-        if (type != "list") {
-          element.columns[property].push_back(value(type));
-          continue;
-        }
-        std::vector<double> list(static_cast<std::size_t>(value("uchar")));
-        for (double& entry : list) entry = value("int");
-        element.lists.push_back(list);
-      }
-    }
-  }
-  if (format == "ascii") in >> std::ws;
-  EXPECT_EQ(in.good() ? in.peek() : EOF, EOF) << "more than the header says";
-  return ply;
-}
-
-struct Obj {
-  std::vector<std::vector<double>> v, vt, vn;
-  struct Corner {
-    int v = 0, vt = 0, vn = 0;
-  };
-  struct Face {
-    std::vector<Corner> corners;
-    std::string material, object;
-  };
-  std::vector<Face> faces;
-  std::string library;
-  std::string grouping;  ///< "o" and "g" as they came
-};
-
-Obj read_obj(const std::string& path) {
-  Obj obj;
-  std::istringstream in(read_bytes(path));
-  std::string line, material, object;
-  while (std::getline(in, line)) {
-    std::istringstream words(line);
-    std::string keyword;
-    words >> keyword;
-    const std::string rest = line.size() > keyword.size() ? line.substr(keyword.size() + 1) : "";
-    std::vector<double> numbers;
-    if (keyword == "v" || keyword == "vt" || keyword == "vn") {
-      for (double x = 0; words >> x;) numbers.push_back(x);
-      (keyword == "v" ? obj.v : keyword == "vt" ? obj.vt : obj.vn).push_back(numbers);
-    } else if (keyword == "f") {
-      Obj::Face face{{}, material, object};
-      for (std::string word; words >> word;) {
-        Obj::Corner corner;
-        if (std::sscanf(word.c_str(), "%d/%d/%d", &corner.v, &corner.vt, &corner.vn) == 1)
-          std::sscanf(word.c_str(), "%d//%d", &corner.v, &corner.vn);
-        face.corners.push_back(corner);
-      }
-      obj.faces.push_back(face);
-    } else if (keyword == "usemtl") {
-      material = rest;
-    } else if (keyword == "o" || keyword == "g") {
-      object = rest;
-      obj.grouping += keyword;
-    } else if (keyword == "mtllib") {
-      obj.library = rest;
-    }
-  }
-  return obj;
-}
 
 // ------------------------------------------------------------------------------------------- making files
 
@@ -331,11 +197,12 @@ TEST_F(CliTest, ExtractPlyKeepsEveryValue) {
         EXPECT_EQ(ply.at("big", i, k), look.values[2][p]);
       }
       EXPECT_EQ(ply.elements.at("face").columns.at("material")[i], static_cast<double>(i % 3));
+      EXPECT_EQ(ply.elements.at("face").columns.at("texnumber")[i], i % 3 == 0 ? 0 : -1);
       EXPECT_EQ(ply.elements.at("face").columns.at("object")[i], i < 5 ? 0 : 1);
     }
-    const std::vector<std::string> comments = {"made by tet extract",      "material 0 brushed steel",
-                                               "material 1 brushed steel", "material 2 ",
-                                               "object 0 lid of a.obj",    "object 1  of b.ply"};
+    const std::vector<std::string> comments = {
+        "made by tet extract",   "material 0 brushed steel", "material 1 brushed steel", "material 2 ",
+        "TextureFile steel.png", "object 0 lid of a.obj",    "object 1  of b.ply"};
     EXPECT_EQ(ply.comments, comments);
   }
 }

@@ -23,10 +23,10 @@ inline Index of_triangle(const std::vector<Index>& of_input, const SurfaceMesh& 
 /// `name` on one line: control characters become '_'.
 std::string printable(std::string name);
 
-/// `names` made printable (blanks become '_' too, if `words`). An empty name becomes `fallback` and its
+/// `names` made printable (characters of `special` become '_' too). An empty name becomes `fallback` and its
 /// number, and a name that an earlier one has gets a number. No two results are equal, and none is in
 /// `taken`.
 std::vector<std::string> distinct_names(const std::vector<std::string>& names, const std::string& fallback,
-                                        bool words, const std::vector<std::string>& taken = {});
+                                        std::string_view special, const std::vector<std::string>& taken = {});
 
 }  // namespace tetprep

@@ -52,6 +52,9 @@ struct Face {
   std::array<Index, 3> v, vt, vn;
 };
 
+/// A comment, and a line that goes on.
+constexpr std::string_view kSpecial = "#\\";
+
 bool all_there(const std::array<Index, 3>& numbers) {
   return std::find(numbers.begin(), numbers.end(), kNone) == numbers.end();
 }
@@ -181,7 +184,7 @@ class ObjWriter final : public SurfaceWriter {
     std::vector<std::string> names;
     for (const Object& object : look.objects)
       names.push_back(object.name.empty() ? object.source : object.name);
-    return distinct_names(names, "object_", false);
+    return distinct_names(names, "object_", kSpecial);
   }
 
   /// "o" begins an object; "g" may come back to one.
@@ -202,7 +205,7 @@ class ObjWriter final : public SurfaceWriter {
     std::vector<std::string> names;
     for (const Material& material : look.materials) names.push_back(material.name);
     names.emplace_back("unknown");
-    material_names_ = distinct_names(names, "material_", false);
+    material_names_ = distinct_names(names, "material_", kSpecial);
     const auto color = [&](const char* keyword, const float* values) {
       out.text(keyword);
       for (std::size_t k = 0; k < 3; ++k) out.text(" ").number(values[k]);
@@ -224,6 +227,7 @@ class ObjWriter final : public SurfaceWriter {
       if (values.transmission > 0) {
         const std::array transmitted = {values.transmission, values.transmission, values.transmission};
         color("Tf", transmitted.data());
+        out.text("illum 6\n");  // refraction: without it, readers take Tf for leftovers
       }
       if (!look.materials[i].base_color_texture.empty())
         out.text("map_Kd ").text(printable(look.materials[i].base_color_texture)).text("\n");
@@ -241,6 +245,10 @@ class ObjWriter final : public SurfaceWriter {
           " properties of vertices left out, for which OBJ has no place; write a .ply to keep them");
     if (std::any_of(look.colors.begin(), look.colors.end(), [](const auto& color) { return color[3] < 1; }))
       losses_.emplace_back("opacity of vertex colours left out, for which OBJ has no place");
+    if (std::any_of(look.colors.begin(), look.colors.end(), [](const auto& color) {
+          return std::any_of(color.begin(), color.end(), [](float x) { return x > 1; });
+        }))
+      losses_.emplace_back("some vertex colours are above 1: readers may take all of them for 0 to 255");
   }
 
   std::string path_;

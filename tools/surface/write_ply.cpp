@@ -150,6 +150,11 @@ class PlyWriter final : public SurfaceWriter {
     std::vector<std::string> names;
     for (const Material& material : look.materials) names.push_back(material.name);
     write_names("material", names);
+    for (const Material& material : look.materials) {
+      textures_.push_back(material.base_color_texture.empty() ? -1 : texture_count_++);
+      if (textures_.back() >= 0)
+        out_.text("comment TextureFile ").text(printable(material.base_color_texture)).text("\n");
+    }
     names.clear();
     for (const Object& object : look.objects)
       names.push_back(object.source.empty() ? object.name : object.name + " of " + object.source);
@@ -168,13 +173,14 @@ class PlyWriter final : public SurfaceWriter {
     }
     names.clear();
     for (const PointProperty& property : look.properties) names.push_back(property.name);
-    names = distinct_names(names, "property_", true,
+    names = distinct_names(names, "property_", " ",
                            {"x", "y", "z", "nx", "ny", "nz", "s", "t", "red", "green", "blue", "alpha"});
     for (std::size_t i = 0; i < names.size(); ++i) properties(type_name(types_[i]), {names[i].c_str()});
 
     out_.text("element face ").number(std::uint64_t{faces}).text("\n");
     properties("list uchar int", {"vertex_indices"});
     if (!look.materials.empty()) properties("int", {"material"});
+    if (texture_count_ > 0) properties("int", {"texnumber"});
     if (!look.objects.empty()) properties("int", {"object"});
     if (options_.input_triangles) properties("int", {"input_triangle"});
     out_.text("end_header\n");
@@ -221,8 +227,9 @@ class PlyWriter final : public SurfaceWriter {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       row.put(std::uint8_t{3});
       for (const Index vertex : faces[i]) row.put(static_cast<std::int32_t>(vertex));
-      if (!look.materials.empty())  // kNone reads as -1
-        row.put(static_cast<std::int32_t>(of_triangle(look.triangle_material, mesh, i)));
+      const Index material = of_triangle(look.triangle_material, mesh, i);
+      if (!look.materials.empty()) row.put(static_cast<std::int32_t>(material));  // kNone reads as -1
+      if (texture_count_ > 0) row.put(material == kNone ? -1 : textures_[material]);
       if (!look.objects.empty())
         row.put(static_cast<std::int32_t>(of_triangle(look.triangle_object, mesh, i)));
       if (options_.input_triangles) row.put(static_cast<std::int32_t>(mesh.input_triangle[i]));
@@ -233,6 +240,8 @@ class PlyWriter final : public SurfaceWriter {
   BufferedFile out_;
   SurfaceWriterOptions options_;
   std::vector<Vertex> vertices_;
+  std::vector<std::int32_t> textures_;  ///< of each material: which TextureFile, or -1
+  std::int32_t texture_count_ = 0;
   bool bare_vertices_ = false;  ///< some have no surface point, so every type must have room for nan
   bool byte_colors_ = false, alpha_ = false;
   std::vector<PropertyType> types_;  ///< of the properties

@@ -49,12 +49,13 @@ std::string printable(std::string name) {
 }
 
 std::vector<std::string> distinct_names(const std::vector<std::string>& names, const std::string& fallback,
-                                        bool words, const std::vector<std::string>& taken) {
+                                        std::string_view special, const std::vector<std::string>& taken) {
   std::set<std::string> used(taken.begin(), taken.end());
   std::vector<std::string> distinct;
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::string name = names[i].empty() ? fallback + std::to_string(i) : printable(names[i]);
-    if (words) std::replace(name.begin(), name.end(), ' ', '_');
+    for (char& c : name)
+      if (special.find(c) != std::string_view::npos) c = '_';
     const std::string first = name;
     for (std::size_t n = 2; !used.insert(name).second; ++n) name = first + "_" + std::to_string(n);
     distinct.push_back(name);

@@ -35,7 +35,8 @@ struct SurfaceWriterOptions {
 ///   float if there is a colour that is no multiple of 1/255; and the input's properties in its types (double
 ///   if a type does not hold all the values). A value that a vertex does not have is nan. Faces:
 ///   vertex_indices, int material (-1: unknown) and int object if the file knows any, whose names are header
-///   comments.
+///   comments; int texnumber if materials have textures, which are comments "TextureFile NAME" (MeshLab's
+///   way).
 /// .obj: v (with colours where the file has them), vt, vn, each value once; o or g by object, usemtl by
 ///   material, and the materials in a file beside it that ends in .mtl. Names that OBJ could not tell apart
 ///   get a number.
