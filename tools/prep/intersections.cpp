@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "prep/intersections.hpp"
 
-#include <CGAL/Box_intersection_d/Box_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/box_intersection_d.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
+
+#include "prep/box_tree.hpp"
 
 namespace tetprep {
 namespace {
@@ -55,11 +55,127 @@ int shared_first(Corners& a, Corners& b) {
   return static_cast<int>(shared);
 }
 
-struct Stop {};
+bool contains(const Corners& triangle, Index corner) {
+  return triangle[0] == corner || triangle[1] == corner || triangle[2] == corner;
+}
+
+/// Whether all corners of `b` that are not in `a` are strictly on one side of the plane of `a`: then the
+/// triangles have nothing but their common corners in common.
+bool apart(const std::vector<GridPoint>& points, const Corners& a, const Corners& b) {
+  int common = 0;
+  for (const Index corner : b) {
+    if (contains(a, corner)) continue;
+    const int side = tetfmt::orientation(points[a[0]], points[a[1]], points[a[2]], points[corner]);
+    if (side == 0 || side == -common) return false;
+    common = side;
+  }
+  return true;
+}
+
+GridBox box_of(const std::vector<GridPoint>& points, const Corners& triangle) {
+  GridBox box{points[triangle[0]], points[triangle[0]]};
+  for (const Index corner : {triangle[1], triangle[2]})
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.low[k] = std::min(box.low[k], points[corner][k]);
+      box.high[k] = std::max(box.high[k], points[corner][k]);
+    }
+  return box;
+}
+
+/// One search. Its tasks are stretches of leaves, in a fixed order: what counts when there are too many pairs
+/// is their order, not who comes first.
+class Search {
+ public:
+  Search(const std::vector<GridPoint>& points, const std::vector<Corners>& triangles, std::size_t most_pairs,
+         const std::atomic<bool>& cancelled, std::atomic<std::size_t>& found_count)
+      : points_(points),
+        triangles_(triangles),
+        most_pairs_(most_pairs),
+        cancelled_(cancelled),
+        found_count_(found_count) {}
+
+  std::vector<TrianglePair> run(const std::vector<bool>& active) {
+    const auto box = [&](Index t) { return box_of(points_, triangles_[t]); };
+    std::vector<Index> in_tree, others;
+    for (Index t = 0; t < triangles_.size(); ++t)
+      (active.empty() || active[t] ? in_tree : others).push_back(t);
+    if (in_tree.empty()) return {};
+    const BoxTree tree(std::move(in_tree), box);
+    std::vector<TrianglePair> pairs;
+    collect(tree, tree, pairs);
+    std::erase_if(others, [&](Index t) { return !tree.may_overlap(box(t)); });
+    if (!others.empty()) collect(BoxTree(std::move(others), box), tree, pairs);
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
+ private:
+  static constexpr std::size_t kLeavesPerTask = 32;
+
+  struct Task {
+    std::vector<TrianglePair> pairs;
+    std::atomic<std::size_t> count{0};
+  };
+
+  void collect(const BoxTree& queries, const BoxTree& tree, std::vector<TrianglePair>& pairs) {
+    const std::size_t most = most_pairs_ - std::min(most_pairs_, pairs.size());
+    std::vector<Task> tasks((queries.leaves() + kLeavesPerTask - 1) / kLeavesPerTask);
+    tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t task) {
+      if (enough_before(tasks, task, most)) return;
+      const std::size_t end = std::min(queries.leaves(), (task + 1) * kLeavesPerTask);
+      for (std::size_t leaf = task * kLeavesPerTask; leaf < end; ++leaf)
+        search_leaf(queries, leaf, tree, most, tasks[task]);
+    });
+    for (const Task& task : tasks) pairs.insert(pairs.end(), task.pairs.begin(), task.pairs.end());
+    if (pairs.size() > most_pairs_) pairs.resize(most_pairs_);
+  }
+
+  /// Whether nothing that this task finds will be among the first `most` pairs.
+  bool enough_before(const std::vector<Task>& tasks, std::size_t task, std::size_t most) const {
+    if (found_count_.load(std::memory_order_relaxed) < most) return false;
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < task && before < most; ++i)
+      before += tasks[i].count.load(std::memory_order_relaxed);
+    return before >= most;
+  }
+
+  void search_leaf(const BoxTree& queries, std::size_t leaf, const BoxTree& tree, std::size_t most,
+                   Task& task) {
+    const EightBoxes& boxes = queries.leaf(leaf);
+    const bool same = &queries == &tree;  // then each pair is met from its earlier leaf
+    tree.visit_leaves(boxes.bounds(), same ? leaf : 0, [&](std::size_t other) {
+      if (cancelled_.load(std::memory_order_relaxed)) return;
+      const unsigned near = boxes.overlapping(tree.leaf(other).bounds());
+      for (unsigned rest = near; rest != 0; rest &= rest - 1) {
+        const auto i = static_cast<unsigned>(std::countr_zero(rest));
+        unsigned mask = tree.leaf(other).overlapping(boxes.get(i));
+        if (same && other == leaf) mask &= 0xFEu << i;
+        for (; mask != 0; mask &= mask - 1)
+          check(queries.item(leaf, i), tree.item(other, static_cast<std::size_t>(std::countr_zero(mask))),
+                most, task);
+      }
+    });
+  }
+
+  void check(Index a, Index b, std::size_t most, Task& task) {
+    if (task.pairs.size() >= most) return;
+    if (!triangles_intersect(points_, triangles_[a], triangles_[b])) return;
+    task.pairs.emplace_back(std::min(a, b), std::max(a, b));
+    task.count.store(task.pairs.size(), std::memory_order_relaxed);
+    found_count_.fetch_add(1, std::memory_order_relaxed);
+  }
+
+  const std::vector<GridPoint>& points_;
+  const std::vector<Corners>& triangles_;
+  const std::size_t most_pairs_;
+  const std::atomic<bool>& cancelled_;
+  std::atomic<std::size_t>& found_count_;
+};
 
 }  // namespace
 
 bool triangles_intersect(const std::vector<GridPoint>& points, const Corners& first, const Corners& second) {
+  if (apart(points, first, second) || apart(points, second, first)) return false;
   Corners a = first, b = second;
   const int shared = shared_first(a, b);
   const auto at = [&](Index i) -> const GridPoint& { return points[i]; };
@@ -75,10 +191,21 @@ bool triangles_intersect(const std::vector<GridPoint>& points, const Corners& fi
       Kernel::Triangle_3(exact_point(at(b[0])), exact_point(at(b[1])), exact_point(at(b[2]))));
 }
 
+std::vector<TrianglePair> find_intersections(const std::vector<GridPoint>& points,
+                                             const std::vector<Corners>& triangles,
+                                             const std::vector<bool>& active, std::size_t most_pairs,
+                                             const std::atomic<bool>& cancelled,
+                                             std::atomic<std::size_t>& found_count) {
+  return Search(points, triangles, most_pairs, cancelled, found_count).run(active);
+}
+
 IntersectionSearch::IntersectionSearch(const CleanSurface& surface, unsigned threads)
-    : surface_(surface), thread_([this, threads] {
+    : thread_([this, &surface, threads] {
         try {
-          search(threads);
+          tbb::task_arena(static_cast<int>(threads)).execute([&] {
+            pairs_ = find_intersections(surface.points, surface.triangles, {}, kMostPairs, cancelled_,
+                                        found_count_);
+          });
         } catch (...) {
           error_ = std::current_exception();
         }
@@ -93,40 +220,6 @@ const std::vector<TrianglePair>& IntersectionSearch::wait() {
   if (thread_.joinable()) thread_.join();
   if (error_) std::rethrow_exception(error_);
   return pairs_;
-}
-
-void IntersectionSearch::search(unsigned threads) {
-  using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, Index>;
-  std::vector<Box> boxes;
-  boxes.reserve(surface_.triangles.size());
-  for (Index t = 0; t < surface_.triangles.size(); ++t) {
-    CGAL::Bbox_3 bounds;
-    for (const Index corner : surface_.triangles[t]) {
-      const GridPoint& p = surface_.points[corner];
-      bounds += CGAL::Bbox_3(p[0], p[1], p[2], p[0], p[1], p[2]);
-    }
-    boxes.emplace_back(bounds, t);
-  }
-  tbb::enumerable_thread_specific<std::vector<TrianglePair>> found;
-  const auto check = [&](const Box& a, const Box& b) {
-    if (cancelled_.load(std::memory_order_relaxed)) throw Stop{};
-    if (!triangles_intersect(surface_.points, surface_.triangles[a.info()], surface_.triangles[b.info()]))
-      return;
-    found.local().emplace_back(std::min(a.info(), b.info()), std::max(a.info(), b.info()));
-    if (found_count_.fetch_add(1, std::memory_order_relaxed) + 1 >= kMostPairs) throw Stop{};
-  };
-  try {
-    if (threads > 1) {
-      tbb::task_arena(static_cast<int>(threads)).execute([&] {
-        CGAL::box_self_intersection_d<CGAL::Parallel_tag>(boxes.begin(), boxes.end(), check);
-      });
-    } else {
-      CGAL::box_self_intersection_d<CGAL::Sequential_tag>(boxes.begin(), boxes.end(), check);
-    }
-  } catch (const Stop&) {
-  }
-  for (const auto& part : found) pairs_.insert(pairs_.end(), part.begin(), part.end());
-  std::sort(pairs_.begin(), pairs_.end());
 }
 
 }  // namespace tetprep
