@@ -64,6 +64,16 @@ TEST(PlaceSteinerPoints, HopelessIsSaid) {
   EXPECT_EQ(tetprep::place_steiner_points(s.points, 8, wanted, s.tets, 1), std::nullopt);
 }
 
+TEST(PlaceSteinerPoints, BoundOnesStayNear) {
+  const std::vector<tetprep::Point> wanted{{-3, 50, 50}};
+  Star s = star({0, 0, 0}, {100, 100, 100});
+  EXPECT_EQ(tetprep::place_steiner_points(s.points, 8, wanted, s.tets, 1, 1, 2), std::nullopt);
+  s = star({0, 0, 0}, {100, 100, 100});
+  EXPECT_EQ(tetprep::place_steiner_points(s.points, 8, wanted, s.tets, 1, 1, 4), Index{1});
+  EXPECT_EQ(s.points[8], (GridPoint{1, 50, 50}));
+  expect_positive(s);
+}
+
 TEST(PlaceSteinerPoints, NoneAtAll) {
   Star s = star({0, 0, 0}, {10, 10, 10});
   s.points.push_back({5, 5, 5});

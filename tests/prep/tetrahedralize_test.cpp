@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <thread>
@@ -125,6 +126,169 @@ TEST(Tetrahedralize, TimeIsLimited) {
   const auto failure = failure_of([&] { tetprep::tetrahedralize(surface, options, progress, log, report); });
   EXPECT_EQ(failure.code(), ExitCode::runtime);
   EXPECT_TRUE(mentions(failure.what(), {"no end", "pYQ"}));
+}
+
+void add(TriangleSoup& soup, const tetprep::Point& a, const tetprep::Point& b, const tetprep::Point& c) {
+  const auto base = static_cast<Index>(soup.points.size());
+  soup.points.insert(soup.points.end(), {a, b, c});
+  soup.triangles.push_back({base, base + 1, base + 2});
+}
+
+constexpr double kSteps = 1 << 21;  // of the grid, over the whole extent
+
+/// Numbers below `most`, the same on every machine.
+struct Numbers {
+  std::uint32_t state = 1;
+  double below(double most) {
+    state = state * 1664525u + 1013904223u;
+    return std::floor(most * (state >> 8) / (1 << 24));
+  }
+};
+
+/// Checks that the pieces of a cut surface are what they should be.
+void expect_pieces(const CleanSurface& before, const CleanSurface& after) {
+  ASSERT_EQ(after.input_corners.size(), before.input_triangle_count);
+  const double step = std::ldexp(1.0, before.grid_exponent - after.grid_exponent);
+  const auto at = [&](const CleanSurface& surface, Index v, std::size_t k) {
+    return surface.origin[k] + std::ldexp(surface.points[v][k], surface.grid_exponent);
+  };
+  for (std::size_t v = 0; v < before.points.size(); ++v)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(at(before, static_cast<Index>(v), k), at(after, static_cast<Index>(v), k));
+  const auto area = [&](const CleanSurface& surface, const std::array<Index, 3>& t) {
+    std::array<double, 3> u{}, w{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      u[k] = at(surface, t[1], k) - at(surface, t[0], k);
+      w[k] = at(surface, t[2], k) - at(surface, t[0], k);
+    }
+    return std::array{u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
+  };
+  // The pieces' area vectors add up to the triangle's, to within the grid.
+  std::map<Index, std::array<double, 3>> sums;
+  for (std::size_t t = 0; t < after.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      sums[after.input_triangle[t]][k] += area(after, after.triangles[t])[k];
+  ASSERT_EQ(sums.size(), before.triangles.size());
+  for (std::size_t t = 0; t < before.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(sums[before.input_triangle[t]][k], area(before, before.triangles[t])[k],
+                  8 * step * std::ldexp(kSteps, 2 * before.grid_exponent));
+}
+
+/// A stack of triangles from side to side, one step of the grid apart: edges in space that only points on
+/// them let be edges of tets.
+TriangleSoup stack(int count) {
+  TriangleSoup soup;
+  Numbers random;
+  for (int i = 0; i < count; ++i) {
+    const double z = i;
+    const double a = random.below(kSteps), b = random.below(kSteps), c = random.below(kSteps);
+    add(soup, {0, a, z}, {kSteps, b, z}, {c, random.below(kSteps), z});
+  }
+  return soup;
+}
+
+TEST(Tetrahedralize, StackOfSheetsOneStepApart) {
+  CleanSurface surface = snap(stack(60));
+  const CleanSurface before = surface;
+  tetprep::TetrahedralizeReport report;
+  const TetMesh mesh = fill(surface, &report);
+  expect_sound(surface, mesh);
+  EXPECT_GT(report.cut_triangles, 0u);
+  EXPECT_LE(report.cut_deviation, 2 * std::ldexp(1.0, before.grid_exponent));
+  EXPECT_GT(surface.triangles.size(), before.triangles.size());
+  expect_pieces(before, surface);
+}
+
+TEST(Tetrahedralize, NeedleFan) {
+  TriangleSoup soup;
+  soup.points = {{0, 0, 0}, {0, 0, kSteps}};
+  for (int i = 0; i < 50; ++i) {
+    soup.points.push_back({kSteps, static_cast<double>(2 * i), kSteps / 2});  // 1e-6 radians apart
+    soup.triangles.push_back({0, 1, static_cast<Index>(i + 2)});
+  }
+  expect_filled(soup);
+}
+
+TEST(Tetrahedralize, FiftySheetsAtAnEdge) {
+  TriangleSoup soup;
+  soup.points = {{0, 0, 0}, {0, 0, 1}};
+  for (int i = 0; i < 50; ++i) {
+    soup.points.push_back({std::cos(0.125 * i), std::sin(0.125 * i), 0.5});
+    soup.triangles.push_back({0, 1, static_cast<Index>(i + 2)});
+  }
+  expect_filled(soup);
+}
+
+TEST(Tetrahedralize, SheetAndItsCopyOneStepAway) {
+  TriangleSoup soup;
+  constexpr int n = 12;
+  for (int layer = 0; layer < 2; ++layer) {
+    Numbers random;
+    const auto base = static_cast<Index>(soup.points.size());
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; j <= n; ++j)
+        soup.points.push_back({i * kSteps / 16, j * kSteps / 16, random.below(kSteps / 16) + layer});
+    for (Index i = 0; i < n; ++i) {
+      for (Index j = 0; j < n; ++j) {
+        const Index a = base + i * (n + 1) + j;
+        soup.triangles.push_back({a, a + 1, a + n + 2});
+        soup.triangles.push_back({a, a + n + 2, a + n + 1});
+      }
+    }
+  }
+  soup.points.push_back({kSteps, 0, 0});  // the extent, so that the grid is as fine as meant
+  soup.points.push_back({kSteps, 1, 0});
+  soup.points.push_back({kSteps, 0, 1});
+  const auto last = static_cast<Index>(soup.points.size());
+  soup.triangles.push_back({last - 3, last - 2, last - 1});
+  expect_filled(soup);
+}
+
+TEST(Tetrahedralize, TinyPieces) {
+  TriangleSoup soup;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j)
+      for (int k = 0; k < 6; ++k)
+        soup = join(std::move(soup), cube({i * 349525.0, j * 349525.0, k * 349525.0}, 1));
+  expect_filled(soup);
+}
+
+TEST(Tetrahedralize, MemoryIsLimited) {
+  CleanSurface surface = snap(ball(60));
+  tetprep::Progress progress;
+  tetprep::StageLog log(progress);
+  tetprep::TetrahedralizeReport report;
+  tetprep::TetrahedralizeOptions options;
+  options.memory_limit = 12'000'000;
+  const auto failure = failure_of([&] { tetprep::tetrahedralize(surface, options, progress, log, report); });
+  EXPECT_EQ(failure.code(), ExitCode::runtime);
+  EXPECT_TRUE(mentions(failure.what(), {"needs more than 12 MB of memory", "stage"}));
+  ASSERT_FALSE(report.failed_attempts.empty());
+  options.memory_limit = 1'000'000'000;
+  tetprep::tetrahedralize(surface, options, progress, log, report);
+}
+
+/// Remembers the shares of each stage.
+struct Shares : tetprep::Progress {
+  void stage(std::string_view) override { last = 0; }
+  void fraction(double done) override {
+    EXPECT_GE(done, last);
+    EXPECT_LT(done, 1);
+    last = done;
+    ++count;
+  }
+  double last = 0;
+  int count = 0;
+};
+
+TEST(Tetrahedralize, ProgressIsMonotone) {
+  CleanSurface surface = snap(ball(60));
+  Shares shares;
+  tetprep::StageLog log(shares);
+  tetprep::TetrahedralizeReport report;
+  tetprep::tetrahedralize(surface, {}, shares, log, report);
+  EXPECT_GT(shares.count, 0);
 }
 
 /// A surface and its box for a TetgenChild of its own.

@@ -80,6 +80,12 @@ struct Intersecting {
   std::vector<TrianglePair> pairs;  ///< all of them, ascending, or IntersectionSearch::kMostPairs
 };
 
+/// Thrown by tetrahedralize() where TetGen has tetrahedra, but some of its points have no place on the finest
+/// grid that there is: the surface is crowded at the scale of its grid. On a coarser grid it is not.
+struct NoRoomOnGrid : Failure {
+  using Failure::Failure;
+};
+
 /// One run of the tetrahedraliser that did not lead to a result.
 struct FailedAttempt {
   std::string switches, reason;
@@ -88,7 +94,7 @@ struct FailedAttempt {
 struct TetrahedralizeOptions {
   double radius_edge = 5;          ///< bound on circumradius / shortest edge; 0 for none
   double time_limit = 0;           ///< seconds an attempt may take; 0 chooses by the number of triangles
-  std::uint64_t memory_limit = 0;  ///< bytes that TetGen's process may use; 0: no limit
+  std::uint64_t memory_limit = 0;  ///< bytes that TetGen may use beside its input; 0: no limit
   unsigned threads = 1;            ///< for the search for intersections, which runs beside TetGen
 };
 
@@ -129,7 +135,8 @@ CleanSurface snap(const TriangleSoup& soup, int coarser_bits = 0);
 /// `surface` changes only where there is no other way, and the result is about what it is then: its grid may
 /// be 2, 4 or 8 times finer (the same points on it), and where TetGen has to put points on triangles these
 /// are cut there (the report says how many; the points keep to within a step of the surface's grid). Throws Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen
-/// died, or ran out of time or memory, with every choice of switches). The result is checked: exact
+/// died, or ran out of time or memory, with every choice of switches; NoRoomOnGrid if one of them failed for
+/// want of room only). The result is checked: exact
 /// orientation of every tet, every triangle there, the hull is the box.
 TetMesh tetrahedralize(CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
                        StageLog& log, TetrahedralizeReport& report);

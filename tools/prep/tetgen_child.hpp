@@ -62,6 +62,7 @@ class TetgenChild {
  private:
   void kill_and_reap();
 
+  std::size_t points_ = 0;
   std::uint64_t memory_limit_ = 0;
   pid_t pid_ = -1;
   int messages_ = -1;  ///< read end of the pipe

@@ -22,6 +22,8 @@ namespace {
 /// TetGen's tets are all of this orientation.
 constexpr int kTetgenSign = 1;
 
+constexpr const char* kNoRoom = "some tetrahedra are too flat for the grid";
+
 /// Switches, the most desirable first. -Y keeps the surface as it is. -q here means tetgen_refine.hpp.
 struct Attempt {
   std::string switches;
@@ -296,7 +298,7 @@ std::string accept(const TetgenMesh& raw, const CleanSurface& surface, const Dom
     wanted.insert(wanted.end(), places.steiner.begin(), places.steiner.end());
     if (std::string problem = check_pieces(surface, pieces, wanted); !problem.empty()) return problem;
   }
-  if (!place(places, bound, candidate)) return "some tetrahedra are too flat for the grid";
+  if (!place(places, bound, candidate)) return kNoRoom;
   candidate.steiner_points = static_cast<Index>(places.steiner.size());
   mesh.origin = places.origin;
   mesh.grid_exponent = places.grid_exponent;
@@ -375,7 +377,11 @@ TetMesh tetrahedralize(CleanSurface& surface, const TetrahedralizeOptions& optio
   std::string text = "TetGen found no tetrahedra for this surface, which does not intersect itself:";
   for (const auto& [switches, reason] : report.failed_attempts) text += " -" + switches + ": " + reason + ";";
   text.pop_back();
-  throw Failure(ExitCode::runtime, text + describe_suspects(surface, report.suspects));
+  text += describe_suspects(surface, report.suspects);
+  if (std::any_of(report.failed_attempts.begin(), report.failed_attempts.end(),
+                  [](const FailedAttempt& attempt) { return attempt.reason == kNoRoom; }))
+    throw NoRoomOnGrid(ExitCode::runtime, text);
+  throw Failure(ExitCode::runtime, text);
 }
 
 }  // namespace tetprep
