@@ -1,80 +1,15 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
-#include <draco/compression/encode.h>
-#include <draco/mesh/triangle_soup_mesh_builder.h>
-#include <gtest/gtest.h>
-
+// What all formats share; OFF and STL.
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 
-#include "prep/prep_support.hpp"
+#include "prep/read_support.hpp"
 
 namespace tetprep_test {
 namespace {
 
 using tetprep::ExitCode;
 using tetprep::read_soup;
-using Triangles = std::vector<std::array<Index, 3>>;
-using Points = std::vector<std::array<double, 3>>;
-
-class Read : public FolderTest {
- protected:
-  /// Expects `bytes` to be refused with this code, the file's name and `parts` in the message.
-  void refuse(const std::string& name, std::string_view bytes, std::vector<std::string> parts,
-              ExitCode code = ExitCode::invalid) {
-    const std::string file = write(name, bytes);
-    const auto failure = failure_of([&] { read_soup(file); });
-    EXPECT_EQ(failure.code(), code) << failure.what();
-    parts.push_back(name);
-    EXPECT_TRUE(mentions(failure.what(), parts));
-  }
-};
-
-template <class T>
-std::string raw(T value) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  return bytes;
-}
-
-const Points kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-
-TEST_F(Read, Obj) {
-  const auto soup = read_soup(
-      write("a.OBJ",
-            "# comment\r\nmtllib x.mtl\nv 0 0 0\nv 1 0 0 1.0\nv 0 1 0 0.5 0.5 0.5\nvt 0 0\nvn 0 0 1\n"
-            "g group\nusemtl m\nf 1/1/1 2/1/1 3/1/1\nf -3//1 -1//1 \\\n -2//1 # back\nl 1 2\n"));
-  EXPECT_EQ(soup.points, kCorners);
-  EXPECT_EQ(soup.triangles, (Triangles{{0, 1, 2}, {0, 2, 1}}));
-}
-
-TEST_F(Read, ObjKeepsEveryBit) {
-  const auto soup =
-      read_soup(write("a.obj", "v 0.79550933837890625 1e-3 +3.0000000000000004\nv 1 0 0\nv 0 1 0\nf 1 2 3"));
-  EXPECT_EQ(soup.points[0], (std::array<double, 3>{0.79550933837890625, 1e-3, 3.0000000000000004}));
-}
-
-TEST_F(Read, ObjMayNameVerticesThatFollow) {
-  EXPECT_EQ(read_soup(write("a.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n")).triangles,
-            (Triangles{{0, 1, 2}}));
-}
-
-TEST_F(Read, BadObj) {
-  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  refuse("a.obj", corners + "f 1 2 0\n", {":4:", "0"});
-  refuse("a.obj", corners + "f 1 2 -4\n", {":4:", "-4"});
-  refuse("a.obj", corners + "f 1 2 4\n", {":4:", "point 3", "only 3"});
-  refuse("a.obj", corners + "f 1 2 4294967297\n", {":4:"});
-  refuse("a.obj", corners + "f 1 2 99999999999999999999\n", {":4:"});
-  refuse("a.obj", corners + "f 1 2\n", {":4:", "2 corners"});
-  refuse("a.obj", corners + "f 1 2 x\n", {":4:", "\"x\""});
-  refuse("a.obj", "v 0 0\n" + corners + "f 1 2 3\n", {":1:", "three"});
-  refuse("a.obj", "v 0 0 zero\n" + corners + "f 1 2 3\n", {":1:", "\"zero\""});
-  refuse("a.obj", "v 0 nan 0\n" + corners + "f 1 2 3\n", {":1:", "not a number"});
-  refuse("a.obj", corners + "v 0 -inf 0\nf 1 2 4\n", {":4:", "infinite"});
-  refuse("a.obj", corners, {"without faces"});
-  refuse("a.obj", "hello\nworld\n", {"no mesh"});
-  refuse("a.obj", "", {"empty"});
-}
 
 TEST_F(Read, ByteOrderMark) {
   const std::string mark = "\xEF\xBB\xBF";
@@ -95,16 +30,6 @@ TEST_F(Read, ByteOrderMark) {
   }
   refuse("a.obj", std::string("\xFF\xFEv\0 \0", 6), {"UTF-16", "save it as UTF-8"});
   refuse("a.obj", std::string("\xFE\xFF\0v\0 ", 6), {"UTF-16"});
-}
-
-TEST_F(Read, AsciiPlyNamesBadCoordinates) {
-  const auto text = [](const std::string& third) {
-    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n" +
-           third + "\n3 0 1 2\n";
-  };
-  refuse("a.ply", text("0 nan 0"), {":12:", "point 2", "not a number"});
-  refuse("a.ply", text("0 1 -inf"), {":12:", "point 2", "infinite"});
 }
 
 TEST_F(Read, UnusedPointsMayBeAnything) {
@@ -134,60 +59,67 @@ TEST_F(Read, BadOff) {
   refuse("a.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", {"without faces"});
 }
 
-const std::string kPlyVertices = "property float x\nproperty float y\nproperty float z\n";
-const std::string kPlyFaces = "property list uchar int vertex_indices\nend_header\n";
-
-std::string ply_head(const std::string& format, const std::string& vertices, const std::string& faces) {
-  return "ply\nformat " + format + " 1.0\ncomment made by a test\nelement vertex " + vertices + "\n" +
-         kPlyVertices + "element face " + faces + "\n" + kPlyFaces;
+TEST_F(Read, OffValues) {
+  const auto soup = read_text("a.off",
+                              "STCNOFF\n3 1 3\n0 0 0 0 0 1 255 0 51 255 0 0\n1 0 0 0 0 1 0 255 0 0 0.5 1\n"
+                              "0 1 0 0 0 1 255 0 51 255 0 0\n3 0 1 2\n");
+  const auto& a = soup.appearance;
+  ASSERT_EQ(a.surface_points, 2u);
+  EXPECT_EQ(a.corners, (Triangles{{0, 1, 0}}));
+  EXPECT_EQ(a.normals[0], (std::array<float, 3>{0, 0, 1}));
+  EXPECT_EQ(a.colors, (std::vector<std::array<float, 4>>{{1, 0, 0.2f, 1}, {0, 1, 0, 0}}));
+  EXPECT_EQ(a.texcoords[1], (std::array<float, 2>{0.5f, 1}));
+  EXPECT_TRUE(soup.warnings.empty());
 }
 
-std::string binary_ply_body(bool big_endian = false) {
-  std::string body;
+TEST_F(Read, OffColorsOfFaces) {
+  const std::string head = "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n";
+  const auto whole = read_text("a.off", head + "3 0 1 2 255 0 51\n3 0 2 1\n").appearance;
+  EXPECT_EQ(whole.colors, (std::vector<std::array<float, 4>>{{1, 0, 0.2f, 1}}));
+  EXPECT_EQ(whole.corners, (Triangles{{0, 0, 0}, {tetprep::kNone, tetprep::kNone, tetprep::kNone}}));
+  const auto fractions = read_text("a.off", head + "3 0 1 2 1 0.5 0 0.25\n3 0 2 1 0 0 0 1\n").appearance;
+  EXPECT_EQ(fractions.colors, (std::vector<std::array<float, 4>>{{1, 0.5f, 0, 0.25f}, {0, 0, 0, 1}}));
+  const auto table = read_text("a.off", head + "3 0 1 2 7\n3 0 2 1 9\n");
+  EXPECT_EQ(table.appearance.surface_points, 0u);
+  ASSERT_EQ(table.warnings.size(), 1u);
+  EXPECT_TRUE(mentions(table.warnings[0], {"a.off:6:", "no colour"}));
+  const auto unknown = read_text("a.off", "OFF\n3 1 0\n0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n");
+  EXPECT_EQ(unknown.points, kCorners);
+  ASSERT_EQ(unknown.warnings.size(), 1u);
+  EXPECT_TRUE(mentions(unknown.warnings[0], {"a.off:3:"}));
+}
+
+TEST_F(Read, OffDialects) {
+  EXPECT_EQ(read_text("a.off", "3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").points, kCorners);
+  EXPECT_EQ(read_text("a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").points, kCorners);
+  EXPECT_EQ(read_text("a.off", "4OFF\n3 1 0\n0 0 0 2\n2 0 0 2\n0 0.5 0 .5\n3 0 1 2\n").points, kCorners);
+  std::string binary = "COFF BINARY\n";
   const auto add = [&](auto value) {
     std::string bytes = raw(value);
-    if (big_endian) std::reverse(bytes.begin(), bytes.end());
-    body += bytes;
+    std::reverse(bytes.begin(), bytes.end());
+    binary += bytes;
   };
-  for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) add(x);
-  add(std::uint8_t{3});
-  for (const std::int32_t i : {0, 1, 2}) add(i);
-  return body;
+  for (const std::int32_t count : {3, 1, 0}) add(count);
+  for (const auto& point : kCorners) {
+    for (const double x : point) add(static_cast<float>(x));
+    for (const float x : {0.5f, 0.25f, 1.f, 1.f}) add(x);
+  }
+  for (const std::int32_t number : {3, 0, 1, 2, 0}) add(number);
+  const auto soup = read_text("a.off", binary);
+  EXPECT_EQ(soup.points, kCorners);
+  EXPECT_EQ(soup.triangles, (Triangles{{0, 1, 2}}));
+  EXPECT_EQ(soup.appearance.colors, (std::vector<std::array<float, 4>>{{0.5f, 0.25f, 1, 1}}));
+  refuse("a.off", "nOFF\n4\n3 1 0\n", {":1:", "three dimensions"}, ExitCode::unsupported);
+  for (std::size_t length = 0; length < binary.size(); ++length)
+    EXPECT_EQ(failure_of([&] { read_text("a.off", binary.substr(0, length)); }).code(), ExitCode::invalid);
+  expect_soundness("a.off", binary);
 }
 
-TEST_F(Read, Ply) {
-  for (const std::string& text : {ply_head("ascii", "3", "1") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-                                  ply_head("ascii", "3", "1") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
-                                  ply_head("binary_little_endian", "3", "1") + binary_ply_body(),
-                                  ply_head("binary_big_endian", "3", "1") + binary_ply_body(true)}) {
-    const auto soup = read_soup(write("a.ply", text));
-    EXPECT_EQ(soup.points, kCorners);
-    EXPECT_EQ(soup.triangles, (Triangles{{0, 1, 2}}));
-  }
-}
-
-TEST_F(Read, BadPly) {
-  const std::string body = binary_ply_body();
-  const std::string binary = ply_head("binary_little_endian", "3", "1") + body;
-  for (std::size_t length = 1; length < binary.size(); ++length) {
-    const std::string file = write("a.ply", std::string_view(binary).substr(0, length));
-    EXPECT_EQ(failure_of([&] { read_soup(file); }).code(), ExitCode::invalid) << length;
-  }
-  refuse("a.ply", ply_head("binary_little_endian", "4294967295", "1") + body, {"4294967295", "cut short"});
-  refuse("a.ply", ply_head("ascii", "4294967295", "1") + "0 0 0\n", {"4294967295", "cut short"});
-  refuse("a.ply", ply_head("ascii", "3", "18446744073709551615") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-         {"cut short"});
-  refuse("a.ply", ply_head("ascii", "3", "1") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", {"point 7", "only 3"});
-  refuse("a.ply", ply_head("ascii", "3", "1") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -7\n", {":14:", "point -7"});
-  refuse("a.ply", ply_head("ascii", "3", "1") + "0 0 0\n1 0 0\n0 what 0\n3 0 1 2\n", {});
-  refuse("a.ply", ply_head("ascii", "3", "0") + "0 0 0\n1 0 0\n0 1 0\n", {"without faces"});
-  std::string infinite = binary;
-  infinite.replace(infinite.size() - body.size(), 4, raw(INFINITY));
-  refuse("a.ply", infinite, {"infinite"});
-  std::string long_list = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + kPlyVertices +
-                          "element face 1\nproperty list uint int vertex_indices\nend_header\n" + body;
-  long_list.replace(long_list.size() - 13, 1, raw(std::uint32_t{0xFFFFFFF0}));
-  refuse("a.ply", long_list, {"a.ply"});
+TEST_F(Read, DamagedOff) {
+  expect_soundness("a.off",
+                   "# c\nSTCNOFF\n5 2 0\n0 0 0 0 0 1 255 0 51 255 0 0\n1 0 0 0 0 1 0 255 0 0 0.5 1\n"
+                   "1 1 0 0 0 1 255 0 51 255 0 0\n0 1 0 0 0 1 255 0 51 255 0 0\n0 2 0 0 0 1 9 9 9 9 0 0\n"
+                   "3 0 1 2\n5 0 1 2 3 4 0 0 255\n");
 }
 
 std::string binary_stl(std::uint32_t count) {
@@ -222,51 +154,26 @@ TEST_F(Read, BadStl) {
   refuse("a.stl", with_nan, {"not a number"});
 }
 
-std::string draco_bytes(const TriangleSoup& soup) {
-  draco::TriangleSoupMeshBuilder builder;
-  builder.Start(static_cast<int>(soup.triangles.size()));
-  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
-  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
-    std::array<std::array<float, 3>, 3> corners{};
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        corners[i][k] = static_cast<float>(soup.points[soup.triangles[t][i]][k]);
-    builder.SetAttributeValuesForFace(position, draco::FaceIndex(static_cast<std::uint32_t>(t)),
-                                      corners[0].data(), corners[1].data(), corners[2].data());
-  }
-  const auto mesh = builder.Finalize();
-  draco::Encoder encoder;
-  draco::EncoderBuffer buffer;
-  EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
-  return {buffer.data(), buffer.size()};
+TEST_F(Read, StlSolidsAreObjects) {
+  std::string second = kAsciiStl;
+  second.replace(0, 7, "SOLID the second");
+  const auto soup = read_text("a.stl", kAsciiStl + second);
+  EXPECT_EQ(soup.points, kCorners);
+  ASSERT_EQ(soup.appearance.objects.size(), 2u);
+  EXPECT_EQ(soup.appearance.objects[1].name, "the second");
+  EXPECT_EQ(soup.appearance.triangle_object, (std::vector<Index>{0, 1}));
+  EXPECT_EQ(read_text("a.stl",
+                      "solid\nfacet normal nan nan nan outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 "
+                      "endloop endfacet\nendsolid")
+                .points,
+            kCorners);
+  refuse("a.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\nendsolid", {":4:", "\"x\""});
+  refuse("a.stl", "solid\nouter loop\nvertex 0 0 1\nvertex 0 0 1\nendloop\nendsolid", {":5:", "2 corners"});
+  refuse("a.stl", "solid\nfoo\nendsolid", {":2:", "\"foo\""});
 }
 
-TEST_F(Read, Draco) {
-  const auto soup = read_soup(write("a.drc", draco_bytes(cube({0, 0, 0}, 2))));
-  EXPECT_EQ(soup.triangles.size(), 12u);
-  EXPECT_EQ(soup.points.size(), 8u);
-  for (const auto& point : soup.points)
-    for (const double x : point) EXPECT_TRUE(x == 0 || x == 2) << x;
-}
-
-TEST_F(Read, BadDraco) {
-  refuse("a.drc", "DRACO", {});
-  refuse("a.drc", "something else entirely", {"Draco"});
-  const std::string good = draco_bytes(ball(4));
-  for (std::size_t length = 1; length < good.size(); length += 7) {
-    const std::string file = write("a.drc", std::string_view(good).substr(0, length));
-    EXPECT_EQ(failure_of([&] { read_soup(file); }).code(), ExitCode::invalid) << length;
-  }
-  for (std::size_t i = 0; i < good.size(); ++i) {  // a changed byte may decode, but not to something unsound
-    std::string bad = good;
-    bad[i] = static_cast<char>(bad[i] ^ 0x55);
-    const std::string file = write("a.drc", bad);
-    try {
-      for (const auto& triangle : read_soup(file).triangles)
-        for (const Index corner : triangle) EXPECT_LT(corner, 1u << 20);
-    } catch (const tetprep::Failure&) {
-    }
-  }
+TEST_F(Read, DamagedStl) {
+  for (const std::string& good : {kAsciiStl, binary_stl(1)}) expect_soundness("a.stl", good);
 }
 
 TEST_F(Read, Polygons) {
@@ -302,7 +209,8 @@ TEST_F(Read, FilesThatAreNone) {
   EXPECT_EQ(failure_of([&] { read_soup(path("folder.off")); }).code(), ExitCode::io);
   refuse("a.xyz", "0 0 0\n", {".xyz"}, ExitCode::unsupported);
   refuse("noextension", "0 0 0\n", {"extension"}, ExitCode::unsupported);
-  for (const char* name : {"a.off", "a.obj", "a.ply", "a.stl", "a.drc"}) refuse(name, "", {"empty"});
+  for (const char* name : {"a.off", "a.obj", "a.ply", "a.stl", "a.drc", "a.gltf", "a.glb"})
+    refuse(name, "", {"empty"});
 }
 
 }  // namespace

@@ -100,9 +100,10 @@ Reader reader_for(const std::string& path) {
   if (extension == ".ply") return read_ply;
   if (extension == ".stl") return read_stl;
   if (extension == ".drc") return read_drc;
+  if (extension == ".gltf" || extension == ".glb") return read_gltf;
   throw Failure(ExitCode::unsupported, path + ": " +
                                            (extension.empty() ? "no extension" : "extension " + extension) +
-                                           " (known: .obj, .off, .ply, .stl, .drc)");
+                                           " (known: .obj, .off, .ply, .stl, .drc, .gltf, .glb)");
 }
 
 /// Editors put a byte order mark before text; to a reader it would be part of the first word. The mark is
@@ -115,7 +116,6 @@ void strip_mark(SourceFile& file, Reader reader) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   if (!file.text.starts_with(kMark) || (stl && !file.text.substr(kMark.size()).starts_with("solid"))) return;
   file.text.remove_prefix(kMark.size());
-  file.marked = true;
 }
 
 }  // namespace
@@ -124,9 +124,13 @@ TriangleSoup read_soup(const std::string& path) {
   const auto opened = tetfmt::MappedFile::open(path);
   if (!opened) throw Failure(ExitCode::io, opened.error().text);
   const std::span<const std::byte> bytes = opened->bytes();
-  SourceFile file{path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
+  return parse_soup(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+TriangleSoup parse_soup(const std::string& path, std::string_view contents) {
+  SourceFile file{path, contents};
   const Reader read = reader_for(path);
-  if (bytes.empty()) file.fail(0, "the file is empty");
+  if (contents.empty()) file.fail(0, "the file is empty");
   strip_mark(file, read);
   try {
     return triangulate(file, read(file));

@@ -51,7 +51,6 @@ struct PolygonSoup {
 struct SourceFile {
   const std::string& path;
   std::string_view text;
-  bool marked = false;  ///< there was a byte order mark
 
   /// Throws Failure (invalid) "path:line: message" (without the line if it is 0).
   [[noreturn]] void fail(std::size_t line, const std::string& message) const;
@@ -85,6 +84,9 @@ std::string quote(std::string_view word);
 
 /// "face 7 (counted from 0)"
 std::string counted(std::string_view what, std::uint64_t number);
+
+/// read_soup() of a file that is in memory already; files that it refers to are looked for beside `path`.
+TriangleSoup parse_soup(const std::string& path, std::string_view contents);
 
 PolygonSoup read_obj(const SourceFile& file);
 PolygonSoup read_off(const SourceFile& file);
