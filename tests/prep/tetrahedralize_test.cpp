@@ -255,15 +255,15 @@ TEST(Tetrahedralize, TinyPieces) {
 }
 
 TEST(Tetrahedralize, MemoryIsLimited) {
-  CleanSurface surface = snap(ball(60));
+  CleanSurface surface = snap(ball(24));
   tetprep::Progress progress;
   tetprep::StageLog log(progress);
   tetprep::TetrahedralizeReport report;
   tetprep::TetrahedralizeOptions options;
-  options.memory_limit = 12'000'000;
+  options.memory_limit = 4'000'000;
   const auto failure = failure_of([&] { tetprep::tetrahedralize(surface, options, progress, log, report); });
   EXPECT_EQ(failure.code(), ExitCode::runtime);
-  EXPECT_TRUE(mentions(failure.what(), {"needs more than 12 MB of memory", "stage"}));
+  EXPECT_TRUE(mentions(failure.what(), {"needs more than 4 MB of memory", "stage"}));
   ASSERT_FALSE(report.failed_attempts.empty());
   options.memory_limit = 1'000'000'000;
   tetprep::tetrahedralize(surface, options, progress, log, report);
@@ -283,7 +283,7 @@ struct Shares : tetprep::Progress {
 };
 
 TEST(Tetrahedralize, ProgressIsMonotone) {
-  CleanSurface surface = snap(ball(60));
+  CleanSurface surface = snap(ball(24));
   Shares shares;
   tetprep::StageLog log(shares);
   tetprep::TetrahedralizeReport report;
