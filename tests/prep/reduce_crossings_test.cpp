@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
+#include "common/threads.hpp"
 #include "prep/prep_support.hpp"
+#include "prep/regions.hpp"
 
 namespace tetprep_test {
 namespace {
@@ -62,6 +66,39 @@ TEST(ReduceCrossings, TakesAwayMuchOfTheAreaAroundABall) {
   EXPECT_LT(by_fast.area_after, 0.97 * by_fast.area_before);
   EXPECT_LT(by_best.area_after, 0.9 * by_best.area_before);
   EXPECT_LT(by_fast.flips, by_best.flips);
+}
+
+TEST(ReduceCrossings, IsTheSameForAnyNumberOfThreads) {
+  TetMesh mesh = fill(snap(join(ball(20), moved(ball(18), {2.5, 0.25, 0}))));
+  sort_tets(mesh);
+  tetprep::Progress progress;
+  for (const Optimize effort : {Optimize::fast, Optimize::best}) {
+    TetMesh one = mesh, four = mesh;
+    tetprep::with_threads(1, [&] { reduce_crossings(one, effort, progress); });
+    tetprep::with_threads(4, [&] { reduce_crossings(four, effort, progress); });
+    EXPECT_NE(one.tets, mesh.tets);
+    EXPECT_EQ(one.tets, four.tets);
+    EXPECT_EQ(one.neighbors, four.neighbors);
+    EXPECT_EQ(one.face_triangle, four.face_triangle);
+  }
+}
+
+TEST(ReduceCrossings, KeepsEveryTetInItsRegion) {
+  const auto surface = snap(join(ball(12), moved(ball(11), {2.5, 0.25, 0})));
+  TetMesh mesh = fill(surface);
+  sort_tets(mesh);
+  find_regions(mesh);
+  tetprep::Progress progress;
+  EXPECT_GT(reduce_crossings(mesh, Optimize::best, progress).flips, 100u);
+  expect_sound(surface, mesh);
+  // Each region is still one space, and none has become two: found anew, they differ in their numbers alone.
+  const std::vector<Index> kept = mesh.region;
+  EXPECT_EQ(find_regions(mesh), 3u);
+  std::map<Index, std::set<Index>> now;
+  for (std::size_t t = 0; t < kept.size(); ++t) now[kept[t]].insert(mesh.region[t]);
+  EXPECT_EQ(now.size(), 3u);
+  for (const auto& [before, after] : now) EXPECT_EQ(after.size(), 1u);
+  EXPECT_EQ(now[0], std::set<Index>{0});
 }
 
 TEST(ReduceCrossings, NoneChangesNothing) {
