@@ -18,7 +18,7 @@ using Triangles = std::vector<std::array<Point, 3>>;
 /// most half of `spacing` apart, but never more than 32 rows.
 template <class Use>
 void for_each_sample(const std::array<Point, 3>& triangle, double spacing, Use use) {
-  const auto& [a, b, c] = triangle;
+  const Point &a = triangle[0], &b = triangle[1], &c = triangle[2];
   const auto length = [](const Point& p, const Point& q) {
     return std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]);
   };
