@@ -155,8 +155,8 @@ class Judge : public OpenMesh::Decimater::ModBaseT<HalfedgeMesh> {
   /// Corners are left to when they go; edges are one triangle's, and need none where only one has them, for
   /// those stay.
   void sample(std::size_t f) {
-    const auto& [a, b, c] = surface_->triangles[f];
     const auto& place = surface_->vertices;
+    const Index a = surface_->triangles[f][0], b = surface_->triangles[f][1], c = surface_->triangles[f][2];
     for_each_sample({place[a], place[b], place[c]}, spacing_, [&](const Point& point, double u, double v) {
       const double w = 1 - u - v;
       const bool first = v == 0, second = u + v == 1, third = u == 0;  // on the edge a b, b c, c a

@@ -14,8 +14,8 @@ inline constexpr int kHilbertBits = 21;  ///< of each coordinate; three of them 
 namespace hilbert {
 
 /// From the largest cubes down, what happens to all smaller ones is an exchange and a reflection of the axes,
-/// so a table has an entry for each of those (6 * 8, and twice as many for Skilling's Gray code, whose carry is
-/// one bit) and each of a cube's eight parts.
+/// so a table has an entry for each of those (6 * 8, and twice as many for Skilling's Gray code, whose carry
+/// is one bit) and each of a cube's eight parts.
 struct Step {
   std::uint8_t next;   ///< state, for the part's own parts
   std::uint8_t digit;  ///< the part's place along the curve
