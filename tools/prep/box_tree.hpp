@@ -3,6 +3,7 @@
 // arrays level by level. Nothing is built but the sorted order, so it is cheap to throw away.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -16,6 +17,16 @@ namespace tetprep {
 struct GridBox {
   GridPoint low, high;
 };
+
+inline GridBox box_around(const std::vector<GridPoint>& points, const std::array<Index, 3>& triangle) {
+  GridBox box{points[triangle[0]], points[triangle[0]]};
+  for (const Index corner : {triangle[1], triangle[2]})
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.low[k] = std::min(box.low[k], points[corner][k]);
+      box.high[k] = std::max(box.high[k], points[corner][k]);
+    }
+  return box;
+}
 
 /// Eight boxes, side by side for the vector unit.
 struct EightBoxes {

@@ -5,6 +5,8 @@
 // whole other.
 #include "prep/contact.hpp"
 
+#include <cstdlib>
+
 namespace tetprep {
 namespace {
 
@@ -68,6 +70,21 @@ std::array<int, 3> sides(const std::vector<GridPoint>& points, const Corners& of
 }
 
 }  // namespace
+
+std::size_t widest_axis(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
+  std::size_t widest = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis)
+    if (std::abs(tetfmt::doubled_area(a, b, c, axis)) > std::abs(tetfmt::doubled_area(a, b, c, widest)))
+      widest = axis;
+  return widest;
+}
+
+bool strictly_inside(const GridPoint& a, const GridPoint& b, const GridPoint& c, const GridPoint& p,
+                     std::size_t axis) {
+  const std::int64_t sign = tetfmt::doubled_area(a, b, c, axis) > 0 ? 1 : -1;
+  return tetfmt::doubled_area(a, b, p, axis) * sign > 0 && tetfmt::doubled_area(b, c, p, axis) * sign > 0 &&
+         tetfmt::doubled_area(c, a, p, axis) * sign > 0;
+}
 
 bool in_one_plane(const std::vector<GridPoint>& points, const Corners& a, const Corners& b) {
   return sides(points, a, b) == std::array<int, 3>{};

@@ -27,6 +27,13 @@ struct Contact {
   std::array<ContactPoint, 12> points;
 };
 
+/// The axis along which the triangle looks largest: the first one, if several are equal.
+std::size_t widest_axis(const GridPoint& a, const GridPoint& b, const GridPoint& c);
+
+/// Whether p, seen along `axis`, is inside the triangle and on none of its edges.
+bool strictly_inside(const GridPoint& a, const GridPoint& b, const GridPoint& c, const GridPoint& p,
+                     std::size_t axis);
+
 bool in_one_plane(const std::vector<GridPoint>& points, const std::array<Index, 3>& a,
                   const std::array<Index, 3>& b);
 

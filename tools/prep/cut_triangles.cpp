@@ -79,6 +79,8 @@ class Cutter {
       for (const Index corner : triangles_[member]) vertex_of(corner);
     if (task_.members.size() > 1)
       for (const Index member : task_.members) insert_outline(member);
+    for (const auto& [p, q, through] : task_.edge_bends) bend_edge(p, q, through);
+    for (const auto& [member, through] : task_.inner_bends) bend(at(points_[through]), through);
     for (const auto& [member, other] : task_.contacts) {
       insert_contact(member, other);
       result_.too_many = arrangement_.number_of_faces() > most_pieces_;
@@ -93,20 +95,22 @@ class Cutter {
   void choose_plane(const std::array<Index, 3>& t) {
     const GridPoint &a = points_[t[0]], &b = points_[t[1]], &c = points_[t[2]];
     for (std::size_t k = 0; k < 3; ++k) normal_[k] = tetfmt::doubled_area(a, b, c, k);
-    for (std::size_t k = 1; k < 3; ++k)
-      if (std::abs(normal_[k]) > std::abs(normal_[axis_])) axis_ = k;
+    axis_ = widest_axis(a, b, c);
     base_ = a;
   }
 
   std::size_t first_axis() const { return (axis_ + 1) % 3; }
   std::size_t second_axis() const { return (axis_ + 2) % 3; }
 
+  /// The point as it is seen.
+  Kernel::Point_2 at(const GridPoint& p) const { return {Number(p[first_axis()]), Number(p[second_axis()])}; }
+
   /// The vertex at a point of the surface that lies in the plane.
   Vertex vertex_of(Index id) {
     const auto [place, fresh] = by_id_.try_emplace(id);
     if (fresh) {
       const GridPoint& p = points_[id];
-      place->second = insert({Number(p[first_axis()]), Number(p[second_axis()])});
+      place->second = insert(at(p));
       place->second->info().id = id;
     }
     return place->second;
@@ -114,16 +118,38 @@ class Cutter {
 
   Vertex vertex_of(const ContactPoint& contact) {
     if (contact.q == kNone) return vertex_of(contact.p);
+    return insert(at(contact));
+  }
+
+  Kernel::Point_2 at(const ContactPoint& contact) const {
     const GridPoint &p = points_[contact.p], &q = points_[contact.q];
     const Number share = exact_number(contact.numerator) / exact_number(contact.denominator);
     const auto coordinate = [&](std::size_t k) { return Number(p[k]) + share * Number(q[k] - p[k]); };
-    return insert({coordinate(first_axis()), coordinate(second_axis())});
+    return {coordinate(first_axis()), coordinate(second_axis())};
   }
 
   Vertex insert(const Kernel::Point_2& place) {
     const Vertex vertex = arrangement_.insert(place, hint_);
     hint_ = vertex->face();
     return vertex;
+  }
+
+  /// What is `place` in the arrangement will be the point `through` in space.
+  void bend(const Kernel::Point_2& place, Index through) {
+    Index& id = insert(place)->info().id;
+    if (id == kNone) id = through;
+  }
+
+  /// At the place on the edge that is nearest to the point: the same one for every triangle with this edge.
+  void bend_edge(Index from, Index to, Index through) {
+    const GridPoint &p = points_[from], &q = points_[to], &r = points_[through];
+    std::int64_t position = 0, length = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t along = std::int64_t{q[k]} - p[k];
+      position += along * (std::int64_t{r[k]} - p[k]);
+      length += along * along;
+    }
+    bend(at(ContactPoint{from, to, position, length}), through);
   }
 
   Arrangement::Constraint_id connect(Vertex from, Vertex to) {

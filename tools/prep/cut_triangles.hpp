@@ -16,6 +16,10 @@ namespace tetprep {
 struct CutTask {
   std::span<const Index> members;              ///< ascending
   std::vector<std::array<Index, 2>> contacts;  ///< a member, and a triangle of another plane that meets it
+  /// Two ends of a member's edge, the lower first, and a point nearby that the edge is to go through.
+  std::vector<std::array<Index, 3>> edge_bends;
+  /// A member, and a point nearby that it is to go through; strictly_inside() along its widest_axis().
+  std::vector<std::array<Index, 2>> inner_bends;
 };
 
 /// A triangle of a CutResult.

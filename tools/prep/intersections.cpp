@@ -72,16 +72,6 @@ bool apart(const std::vector<GridPoint>& points, const Corners& a, const Corners
   return true;
 }
 
-GridBox box_of(const std::vector<GridPoint>& points, const Corners& triangle) {
-  GridBox box{points[triangle[0]], points[triangle[0]]};
-  for (const Index corner : {triangle[1], triangle[2]})
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.low[k] = std::min(box.low[k], points[corner][k]);
-      box.high[k] = std::max(box.high[k], points[corner][k]);
-    }
-  return box;
-}
-
 /// One search. Its tasks are stretches of leaves, in a fixed order: what counts when there are too many pairs
 /// is their order, not who comes first.
 class Search {
@@ -95,7 +85,7 @@ class Search {
         found_count_(found_count) {}
 
   std::vector<TrianglePair> run(const std::vector<bool>& active) {
-    const auto box = [&](Index t) { return box_of(points_, triangles_[t]); };
+    const auto box = [&](Index t) { return box_around(points_, triangles_[t]); };
     std::vector<Index> in_tree, others;
     for (Index t = 0; t < triangles_.size(); ++t)
       (active.empty() || active[t] ? in_tree : others).push_back(t);

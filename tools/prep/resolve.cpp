@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // Rounds of cutting everything along its exact intersections and rounding the new points to the grid, which
-// may bring about intersections anew (a point leaves its triangle's plane by up to a step), but fewer and
-// smaller ones: after the method of Zhou, Grinspun, Zorin, Jacobson, "Mesh Arrangements for Solid Geometry"
-// (2016), and of Hobby's snap rounding. What two triangles share is cut at the same exact points in both, so
-// it is the same after rounding: nothing comes apart. A piece that becomes flat is dropped; its middle corner
-// then lies on an edge of its neighbour, which the next round cuts there.
+// may bring about intersections anew (a point leaves its triangle's plane by up to a step), but fewer ones.
+// What two triangles share is cut at the same exact points in both, so it is the same after rounding: nothing
+// comes apart. A piece that becomes flat is dropped; its middle corner then lies on an edge of its neighbour,
+// which the next round cuts there. Where triangles are nearly parallel, or crowded, rounding alone makes ever
+// more and thinner pieces. There, and only there, points and edges that pass each other closely are made to
+// meet, as in Hobby's snap rounding
+// ("Practical segment intersection with finite precision output", 1999); from round to round further ones.
+// That is a coarser grid where one is needed, which leaves the rest of the surface alone.
 #include "prep/resolve.hpp"
 
 #include <tbb/parallel_for.h>
@@ -17,8 +20,9 @@
 #include <thread>
 
 #include "common/parse.hpp"
-#include "prep/contact.hpp"
+#include "prep/cut_plan.hpp"
 #include "prep/cut_triangles.hpp"
+#include "prep/near_contacts.hpp"
 #include "prep/point_index.hpp"
 
 namespace tetprep {
@@ -26,14 +30,14 @@ namespace {
 
 using Corners = std::array<Index, 3>;
 
-/// How far apart points may be to become one, in the first rounds: a new point is up to 0.9 steps from where
-/// it should be, so what is as near as this cannot be told apart anyway. Grid steps.
+/// How far apart points may be to become one. A new point is up to 0.9 steps from where it should be, so what
+/// is as near as this cannot be told apart anyway; in every round after the second it is twice as far. Grid
+/// steps.
 constexpr std::int32_t kReach = 2;
-/// Then corners of triangles that still intersect are made one as well, and the reach doubles from round to
-/// round.
-constexpr int kRoundsBeforeMerging = 2;
-/// The reach is a thousandth of the extent by now.
-constexpr int kMostRounds = 12;
+/// Leading a triangle through a point may bring it near to another.
+constexpr int kBends = 2;
+/// One to three are enough for real meshes. The reach is a thousandth of the extent by now.
+constexpr int kMostRounds = 11;
 
 bool is_flat(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -45,33 +49,6 @@ Corners ascending(Corners corners) {
   std::sort(corners.begin(), corners.end());
   return corners;
 }
-
-/// Groups that grow together.
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  /// The least member of the group.
-  Index find(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index i, Index j) {
-    i = find(i);
-    j = find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
-
-/// Triangles that others meet, by plane.
-struct Plan {
-  std::vector<Index> members;  ///< task by task
-  std::vector<CutTask> tasks;
-};
 
 class Resolver {
  public:
@@ -94,12 +71,12 @@ class Resolver {
     while (!pairs.empty()) {
       while (!pairs.empty()) {
         if (report_.rounds == kMostRounds) fail_endless(pairs);
-        if (report_.rounds >= kRoundsBeforeMerging) {
-          report_.grid_coarsening = report_.rounds - kRoundsBeforeMerging;
+        if (report_.rounds > 0) {
+          report_.grid_coarsening = report_.rounds - 1;
           pairs = search(merge_corners(pairs));
-          if (pairs.empty()) break;
+          for (int i = 0; i < kBends && !pairs.empty(); ++i) pairs = bend(pairs);
         }
-        pairs = cut(pairs);
+        if (!pairs.empty()) pairs = cut(pairs);
       }
       // What the rounds looked at was only what they had changed.
       pairs = search({});
@@ -121,46 +98,31 @@ class Resolver {
 
   /// One round. Returns the pairs that intersect after it.
   std::vector<TrianglePair> cut(const std::vector<TrianglePair>& pairs) {
-    const Plan plan = make_plan(pairs);
+    const CutPlan plan = plan_cuts(surface_.points, surface_.triangles, pairs);
     std::vector<CutResult> results = cut_all(plan, pairs);
     ++report_.rounds;
-    return search(replace(plan, std::move(results)));
+    return search(replace(plan, std::move(results), triangles_of(pairs)));
   }
 
-  Plan make_plan(const std::vector<TrianglePair>& pairs) {
-    const auto& triangles = surface_.triangles;
-    UnionFind planes(triangles.size());
-    std::vector<bool> coplanar(pairs.size());
-    std::vector<bool> involved(triangles.size(), false);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const auto [a, b] = pairs[i];
-      involved[a] = involved[b] = true;
-      coplanar[i] = in_one_plane(surface_.points, triangles[a], triangles[b]);
-      if (coplanar[i]) planes.join(a, b);
-    }
-    Plan plan;
-    for (Index t = 0; t < triangles.size(); ++t)
-      if (involved[t]) plan.members.push_back(t);
-    std::stable_sort(plan.members.begin(), plan.members.end(),
-                     [&](Index a, Index b) { return planes.find(a) < planes.find(b); });
-    std::vector<Index> task_of(triangles.size(), kNone);
-    const std::span<const Index> members(plan.members);
-    for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
-      const Index plane = planes.find(members[begin]);
-      for (end = begin; end < members.size() && planes.find(members[end]) == plane; ++end)
-        task_of[members[end]] = static_cast<Index>(plan.tasks.size());
-      plan.tasks.push_back({members.subspan(begin, end - begin), {}});
-    }
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (coplanar[i]) continue;
-      const auto [a, b] = pairs[i];
-      plan.tasks[task_of[a]].contacts.push_back({a, b});
-      plan.tasks[task_of[b]].contacts.push_back({b, a});
-    }
-    return plan;
+  /// Leads triangles that intersect through each other's corners that are near. Returns the pairs that
+  /// intersect after it.
+  std::vector<TrianglePair> bend(const std::vector<TrianglePair>& pairs) {
+    const std::vector<bool> active = triangles_of(pairs);
+    std::vector<Index> which;
+    for (Index t = 0; t < active.size(); ++t)
+      if (active[t]) which.push_back(t);
+    const CutPlan plan = plan_bends(surface_.triangles,
+                                    find_near_contacts(surface_.points, surface_.triangles, which, reach()));
+    return search(replace(plan, cut_all(plan, pairs), active));
   }
 
-  std::vector<CutResult> cut_all(const Plan& plan, const std::vector<TrianglePair>& pairs) {
+  std::vector<bool> triangles_of(const std::vector<TrianglePair>& pairs) const {
+    std::vector<bool> marked(surface_.triangles.size(), false);
+    for (const auto& [a, b] : pairs) marked[a] = marked[b] = true;
+    return marked;
+  }
+
+  std::vector<CutResult> cut_all(const CutPlan& plan, const std::vector<TrianglePair>& pairs) {
     std::vector<CutResult> results(plan.tasks.size());
     std::atomic<std::size_t> pieces{surface_.triangles.size()}, done{0};
     std::atomic<bool> too_many{false};
@@ -179,14 +141,18 @@ class Resolver {
   }
 
   /// Every round takes a fixed share of what was left.
-  void tell(std::size_t done, std::size_t all) const {
+  void tell(std::size_t done, std::size_t all) {
     constexpr double kRest = 0.2;
     const double left = std::pow(kRest, report_.rounds);
-    progress_.fraction(1 - left + left * (1 - kRest) * static_cast<double>(done) / static_cast<double>(all));
+    told_ =
+        std::max(told_, 1 - left + left * (1 - kRest) * static_cast<double>(done) / static_cast<double>(all));
+    progress_.fraction(told_);
   }
 
-  /// Puts the pieces in the places of what they are pieces of. Returns which triangles are new.
-  std::vector<bool> replace(const Plan& plan, std::vector<CutResult> results) {
+  /// Puts the pieces in the places of what they are pieces of. Returns which triangles are new, or were
+  /// marked in `active`.
+  std::vector<bool> replace(const CutPlan& plan, std::vector<CutResult> results,
+                            const std::vector<bool>& active) {
     const auto first_new = static_cast<Index>(surface_.points.size());
     const std::vector<std::vector<Index>> numbers = add_points(plan, results);
     constexpr std::size_t kUncut = std::numeric_limits<std::size_t>::max();
@@ -206,7 +172,7 @@ class Resolver {
     };
     for (Index t = 0; t < surface_.triangles.size(); ++t) {
       if (task_of[t] == kUncut) {
-        add(surface_.triangles[t], t, false);
+        add(surface_.triangles[t], t, active[t]);
         continue;
       }
       const auto& pieces = results[task_of[t]].pieces;
@@ -228,7 +194,7 @@ class Resolver {
   std::int32_t reach() const { return kReach << report_.grid_coarsening; }
 
   /// Numbers of each result's new points in the surface, where equal ones are one.
-  std::vector<std::vector<Index>> add_points(const Plan& plan, const std::vector<CutResult>& results) {
+  std::vector<std::vector<Index>> add_points(const CutPlan& plan, const std::vector<CutResult>& results) {
     auto& points = surface_.points;
     PointIndex index(points);
     NearIndex near(points, reach());
@@ -297,12 +263,10 @@ class Resolver {
   /// with the lowest number, which is the surface's own if there is one. Returns which triangles that
   /// changed.
   std::vector<bool> merge_corners(const std::vector<TrianglePair>& pairs) {
-    std::vector<bool> fresh(surface_.triangles.size(), false), near_pair(surface_.points.size(), false);
-    for (const auto& [a, b] : pairs)
-      for (const Index t : {a, b}) {
-        fresh[t] = true;
+    std::vector<bool> fresh = triangles_of(pairs), near_pair(surface_.points.size(), false);
+    for (std::size_t t = 0; t < fresh.size(); ++t)
+      if (fresh[t])
         for (const Index corner : surface_.triangles[t]) near_pair[corner] = true;
-      }
     NearIndex kept(surface_.points, reach());
     std::vector<Index> number(surface_.points.size());
     std::iota(number.begin(), number.end(), Index{0});
@@ -430,6 +394,7 @@ class Resolver {
   ResolveReport& report_;
   const std::size_t max_pieces_;
   const double step_;
+  double told_ = 0;
   std::vector<float> moved_;  ///< how far each point may be from where it should be, grid steps
 };
 

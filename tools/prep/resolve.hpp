@@ -17,18 +17,22 @@ struct ResolveReport {
   std::size_t pieces = 0;              ///< that those are in
   std::size_t new_points = 0;
   std::size_t overlaps = 0;  ///< pieces left out because an earlier triangle has the same
-  int grid_coarsening = 0;   ///< times that the surface's grid was made twice as coarse
-  double max_deviation = 0;  ///< largest distance of a new point from the exact intersection, model units
+  int grid_coarsening = 0;   ///< times that the grid was made twice as coarse where intersections did not end
+  /// Largest distance of a point from where it should be: a new one from the exact intersection, or one of
+  /// the surface's own, where they had to be moved, from its place. Model units.
+  double max_deviation = 0;
 };
 
 /// Cuts all triangles along their intersections (exact, after which new points go to the nearest grid point)
 /// until none intersects any more. `pairs`: of an IntersectionSearch over `surface`. Points of the surface
-/// keep their numbers and places unless the grid has to be coarsened; pieces keep the orientation of the
-/// triangle that they are part of and its input number, and cover it to within the grid. Where triangles
-/// overlap in a plane, the piece belongs to the first of them. The result is deterministic for any number of
-/// threads, and IntersectionSearch finds nothing in it. Failure (unsupported): the arrangement would have
-/// more than `max_pieces` triangles (the message names triangles that take part in most of it); (runtime): no
-/// end in sight on any grid.
+/// keep their places, and their numbers unless some are not needed any more; but where intersections do not
+/// end after a round, they become one with others close by, and edges are led through them: within two grid
+/// steps at first, twice as far from round to round. Pieces keep the orientation of the triangle that they
+/// are part of and its input number, and cover it to within the grid. Where triangles overlap in a plane, the
+/// piece belongs to the first of them. The result is deterministic for any number of threads, and
+/// IntersectionSearch finds nothing in it. Failure (unsupported): the arrangement would have more than
+/// `max_pieces` triangles (the message names triangles that take part in most of it); (runtime): no end in
+/// sight on any grid.
 CleanSurface resolve(CleanSurface surface, std::vector<TrianglePair> pairs, unsigned threads,
                      Progress& progress, ResolveReport& report, std::size_t max_pieces = 20'000'000);
 
