@@ -8,7 +8,7 @@
 namespace tetprep {
 
 bool same_file(const std::string& a, const std::string& b) {
-  if (a == "-" || b == "-") return false;
+  if (a.empty() || b.empty() || a == "-" || b == "-") return false;
   namespace fs = std::filesystem;
   std::error_code error;
   if (fs::is_other(fs::status(b, error))) return false;

@@ -7,7 +7,7 @@
 namespace tetprep {
 
 /// Whether both paths lead to one file, be it there already or not. A device may be named twice; "-" is a
-/// standard stream and no file.
+/// standard stream and no file, and an empty path nothing.
 bool same_file(const std::string& a, const std::string& b);
 
 /// Throws Failure (usage) if they do.

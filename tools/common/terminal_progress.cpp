@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "common/terminal_progress.hpp"
 
+#include <signal.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -49,7 +50,13 @@ std::string progress_line(const std::string& stage, double done, double seconds,
 
 TerminalProgress::TerminalProgress(bool wanted, bool lines)
     : bar_(wanted && isatty(STDERR_FILENO) == 1), lines_(wanted && lines && !bar_) {
-  if (bar_) thread_ = std::thread([this] { redraw_until_told(); });
+  if (!bar_) return;
+  // Signals are for threads that somebody gave a mask.
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  thread_ = std::thread([this] { redraw_until_told(); });
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 TerminalProgress::~TerminalProgress() {
@@ -83,6 +90,12 @@ void TerminalProgress::fraction(double done) {
   if (!bar_) return;
   const std::lock_guard lock(mutex_);
   done_ = std::max(done, 0.0);
+}
+
+void TerminalProgress::print_line(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  print((bar_ ? "\r\x1b[K" : "") + line + "\n");
+  if (bar_ && !stage_.empty()) draw();
 }
 
 void TerminalProgress::redraw_until_told() {

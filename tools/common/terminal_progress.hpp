@@ -29,6 +29,9 @@ class TerminalProgress : public Progress {
   void stage(std::string_view name) override;
   void fraction(double done) override;
 
+  /// A line of standard error that stays, whatever is shown or not.
+  void print_line(const std::string& line);
+
  private:
   using Clock = std::chrono::steady_clock;
   void redraw_until_told();
