@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetprep {
@@ -25,6 +26,20 @@ inline CLI::Validator one_of(const std::vector<std::string>& names) {
             return "must be " + choices + ", not " + text;
           },
           choices};
+}
+
+/// Adds an option that sets `value` by a name.
+template <class Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& option, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices,
+                        const std::string& description) {
+  std::vector<std::string> names;
+  for (const auto& choice : choices) names.push_back(choice.first);
+  const auto set = [&value, choices](const std::string& text) {
+    for (const auto& [name, meaning] : choices)
+      if (text == name) value = meaning;
+  };
+  return app.add_option_function<std::string>(option, set, description)->check(one_of(names));
 }
 
 void add_convert_command(CLI::App& app, std::function<int()>& run);
