@@ -345,6 +345,8 @@ TetMesh tetrahedralize(CleanSurface& surface, const TetrahedralizeOptions& optio
       log.begin("verify");
       Candidate candidate;
       outcome.reason = accept(*outcome.mesh, surface, domain, candidate);
+      // What is wrong with the surface was so before any refinement.
+      if (!outcome.reason.empty() && outcome.reason != kNoRoom) outcome.stage = "boundary recovery";
       if (outcome.reason.empty()) {
         log.end();
         // All triangles are made up of faces of one mesh, so none intersects another: no need to wait for the
