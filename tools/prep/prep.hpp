@@ -134,10 +134,11 @@ CleanSurface snap(const TriangleSoup& soup, int coarser_bits = 0);
 /// Encloses the surface in a box and fills it with tetrahedra, among whose faces is every triangle as it is.
 /// `surface` changes only where there is no other way, and the result is about what it is then: its grid may
 /// be 2, 4 or 8 times finer (the same points on it), and where TetGen has to put points on triangles these
-/// are cut there (the report says how many; the points keep to within a step of the surface's grid). Throws Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen
-/// died, or ran out of time or memory, with every choice of switches; NoRoomOnGrid if one of them failed for
-/// want of room only). The result is checked: exact
-/// orientation of every tet, every triangle there, the hull is the box.
+/// are cut there (the report says how many; the points keep to within a step of the surface's grid). Throws
+/// Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen died,
+/// or ran out of time or memory, with every choice of switches; NoRoomOnGrid if one of them failed for want
+/// of room only). The result is checked: exact orientation of every tet, every triangle there, the hull is
+/// the box.
 TetMesh tetrahedralize(CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
                        StageLog& log, TetrahedralizeReport& report);
 
@@ -147,8 +148,8 @@ void sort_tets(TetMesh& mesh);
 
 /// Puts everything into the file's terms: vertices along a Hilbert curve (those of some tet), tets as they
 /// come, faces as the tets need them. The first source tet is the one that contains the box's centre: walks
-/// to anywhere start there, and from the middle they are shortest on average. Where that space was left out it
-/// is the tet nearest to it; and if what is left is in several pieces, each of the others has a source too
+/// to anywhere start there, and from the middle they are shortest on average. Where that space was left out
+/// it is the tet nearest to it; and if what is left is in several pieces, each of the others has a source too
 /// (its first tet). `triangle_material`: of each input triangle, or empty: all 0. Sections, in this order:
 /// REGN if the regions are known (the tets must be grouped by them); ORIG and SURF if triangles were cut.
 /// Deterministic for any number of threads. O(tets + vertices log vertices).
