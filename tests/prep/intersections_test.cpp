@@ -2,7 +2,12 @@
 #include "prep/intersections.hpp"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <atomic>
+
+#include "prep/nasty_surfaces.hpp"
 #include "prep/prep_support.hpp"
 
 namespace tetprep_test {
@@ -100,6 +105,39 @@ TEST(IntersectionSearch, FindsAllPairs) {
   tetprep::IntersectionSearch fast(surface, 2);
   EXPECT_EQ(fast.wait(), all);
   EXPECT_GT(all.size(), 10u);
+}
+
+std::vector<tetprep::TrianglePair> find(const tetprep::CleanSurface& surface, const std::vector<bool>& active,
+                                        std::size_t most, int threads) {
+  const std::atomic<bool> cancelled{false};
+  std::atomic<std::size_t> found{0};
+  std::vector<tetprep::TrianglePair> pairs;
+  tbb::task_arena(threads).execute([&] {
+    pairs = tetprep::find_intersections(surface.points, surface.triangles, active, most, cancelled, found);
+  });
+  return pairs;
+}
+
+TEST(FindIntersections, OnlyWithActiveTriangles) {
+  const auto surface = tetprep::snap(join(ball(20), moved(ball(20), {0.7, 0.1, 0.2})));
+  auto pairs = find(surface, {}, 100000, 2);
+  std::vector<bool> active(surface.triangles.size(), false);
+  for (std::size_t i = 0; i < pairs.size(); i += 3)
+    active[i % 2 == 0 ? pairs[i].first : pairs[i].second] = true;
+  const std::size_t all = pairs.size();
+  std::erase_if(pairs, [&](const auto& pair) { return !active[pair.first] && !active[pair.second]; });
+  EXPECT_LT(pairs.size(), all);
+  EXPECT_EQ(find(surface, active, 100000, 2), pairs);
+  EXPECT_TRUE(find(surface, std::vector<bool>(surface.triangles.size(), false), 100000, 1).empty());
+}
+
+TEST(FindIntersections, TheSameOnesIfThereAreTooMany) {
+  const auto surface = tetprep::snap(random_triangles(2000, 0.5));
+  const auto all = find(surface, {}, 1000000, 2), some = find(surface, {}, 3000, 1);
+  EXPECT_GT(all.size(), 20000u);
+  EXPECT_EQ(some.size(), 3000u);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(find(surface, {}, 3000, 2), some);
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), some.begin(), some.end()));
 }
 
 TEST(IntersectionSearch, CanBeGivenUp) {

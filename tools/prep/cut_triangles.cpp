@@ -274,14 +274,8 @@ class Cutter {
     exact[j] = v;
     exact[axis_] = Number(base_[axis_]) + rise;
     GridPoint rounded{};
-    double squared = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      rounded[k] = round_exactly(exact[k]);
-      const double error = CGAL::to_double(exact[k]) - rounded[k];
-      squared += error * error;
-    }
+    for (std::size_t k = 0; k < 3; ++k) rounded[k] = round_exactly(exact[k]);
     result_.new_points.push_back(rounded);
-    result_.deviation.push_back(static_cast<float>(std::sqrt(squared)));
     return id;
   }
 

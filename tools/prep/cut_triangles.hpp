@@ -33,7 +33,6 @@ struct CutPiece {
 struct CutResult {
   std::vector<GridPoint> new_points;  ///< rounded; several may fall together, also with points of the surface
   std::vector<CutPiece> pieces;       ///< by owner; in exact arithmetic none is flat, on the grid some may be
-  std::vector<float> deviation;       ///< of each new point from where it should be, grid steps
   std::size_t overlaps = 0;           ///< further members that cover pieces, summed over the pieces
   bool too_many = false;              ///< given up: there would be more than `most_pieces`
 };

@@ -23,6 +23,7 @@
 #include "prep/cut_plan.hpp"
 #include "prep/cut_triangles.hpp"
 #include "prep/near_contacts.hpp"
+#include "prep/piece_deviation.hpp"
 #include "prep/point_index.hpp"
 
 namespace tetprep {
@@ -58,12 +59,13 @@ class Resolver {
         report_(report),
         max_pieces_(max_pieces),
         step_(std::ldexp(1.0, surface_.grid_exponent)),
-        moved_(surface_.points.size(), 0.0f) {
+        first_points_(surface_.points) {
     if (surface_.input_corners.empty()) {
       surface_.input_corners.assign(surface_.input_triangle_count, {kNone, kNone, kNone});
       for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
         surface_.input_corners[surface_.input_triangle[t]] = surface_.triangles[t];
     }
+    first_corners_ = surface_.input_corners;
   }
 
   CleanSurface run(std::vector<TrianglePair> pairs) {
@@ -217,11 +219,9 @@ class Resolver {
           if (number == kNone) number = near.find(place);
           if (number == kNone) {
             number = index.add(place);
-            moved_.push_back(0);
             near.add(number);
           }
         }
-        note_move(number, results[i].deviation[k], place);
         numbers[i].push_back(number);
       }
     }
@@ -278,7 +278,6 @@ class Resolver {
         continue;
       }
       number[i] = there;
-      note_move(there, moved_[i], surface_.points[i]);
     }
     const auto renumber = [&](Corners& corners) {
       for (Index& corner : corners) corner = number[corner];
@@ -301,18 +300,13 @@ class Resolver {
     return fresh;
   }
 
-  /// Something that should be at `place`, or `aside` steps from it, is at point `number` now.
-  void note_move(Index number, float aside, const GridPoint& place) {
-    const double further = std::sqrt(static_cast<double>(squared_distance(surface_.points[number], place)));
-    moved_[number] = std::max(moved_[number], aside + static_cast<float>(further));
-  }
-
   /// Points that are used, in the order that they have, and corners of the input in terms of them.
   void finish() {
     auto& corners_of = surface_.input_corners;
     std::vector<bool> used(surface_.points.size(), false);
     for (const Corners& triangle : surface_.triangles)
       for (const Index corner : triangle) used[corner] = true;
+    const double moved = furthest_corner();
     const auto unused = [&](Index corner) { return corner != kNone && !used[corner]; };
     for (std::size_t t = 0, end = 0; t < surface_.triangles.size(); t = end) {
       const Index input = surface_.input_triangle[t];
@@ -331,10 +325,8 @@ class Resolver {
 
     std::vector<Index> number(surface_.points.size(), kNone);
     Index count = 0;
-    float furthest = 0;
     for (std::size_t i = 0; i < number.size(); ++i) {
       if (!used[i]) continue;
-      furthest = std::max(furthest, moved_[i]);
       number[i] = count;
       surface_.points[count++] = surface_.points[i];
     }
@@ -343,7 +335,19 @@ class Resolver {
       for (Corners& corners : *list)
         for (Index& corner : corners)
           if (corner != kNone) corner = number[corner];
-    report_.max_deviation = furthest * step_;
+    report_.max_deviation =
+        step_ * std::max(moved, furthest_from_origin(surface_, first_points_, first_corners_));
+  }
+
+  /// The largest distance of a corner of the input from its place. Grid steps.
+  double furthest_corner() const {
+    std::int64_t squared = 0;
+    for (std::size_t t = 0; t < first_corners_.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const Index now = surface_.input_corners[t][k]; now != kNone)
+          squared =
+              std::max(squared, squared_distance(surface_.points[now], first_points_[first_corners_[t][k]]));
+    return std::sqrt(static_cast<double>(squared));
   }
 
   /// The triangles that most pairs are about.
@@ -395,7 +399,8 @@ class Resolver {
   const std::size_t max_pieces_;
   const double step_;
   double told_ = 0;
-  std::vector<float> moved_;  ///< how far each point may be from where it should be, grid steps
+  const std::vector<GridPoint> first_points_;  ///< the surface as it came
+  std::vector<Corners> first_corners_;         ///< of each input triangle, in it
 };
 
 }  // namespace

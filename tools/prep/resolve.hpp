@@ -18,8 +18,8 @@ struct ResolveReport {
   std::size_t new_points = 0;
   std::size_t overlaps = 0;  ///< pieces left out because an earlier triangle has the same
   int grid_coarsening = 0;   ///< times that the grid was made twice as coarse where intersections did not end
-  /// Largest distance of a point from where it should be: a new one from the exact intersection, or one of
-  /// the surface's own, where they had to be moved, from its place. Model units.
+  /// Largest distance of a piece from the triangle that it is part of, or of a corner of the input that had
+  /// to be moved from its place. Model units.
   double max_deviation = 0;
 };
 
