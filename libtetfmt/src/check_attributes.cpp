@@ -55,7 +55,7 @@ class Attributes {
       const Index input = view_.origins()[i];
       if (input >= inputs_) bad_index(i, "ORIG", input, inputs_);
     }
-    if (view_.find(kInputTriangles) == nullptr || view_.origins().empty()) return;
+    if (view_.find(kInputTriangles) == nullptr) return;
     const auto vertex_count = static_cast<Index>(view_.vertices().size());
     for (std::size_t i = 0; i < inputs_; ++i) {
       const auto& v = view_.input_triangles()[i].vertices;
@@ -70,6 +70,13 @@ class Attributes {
     demand_count(kTriangleObjects, "TOBJ", inputs_, "input triangles");
     demand_partner(kTriangleObjects, "TOBJ", kObjects, "OBJT");
     demand_count(kCorners, "CORN", inputs_, "input triangles");
+    if (const SectionEntry* const draco = view_.find(kDracoSurface)) {
+      for (const SectionKind kind : {kCorners, kNormals, kTexcoords, kColors, kProperties, kPropertyValues}) {
+        if (view_.find(kind) == nullptr) continue;
+        add(Code::attribute_count, draco->offset,
+            [] { return std::string("DRAC is there together with a section that it stands for"); });
+      }
+    }
     demand_partner(kPropertyValues, "PVAL", kProperties, "PROP");
     demand_partner(kProperties, "PROP", kPropertyValues, "PVAL");
 

@@ -140,6 +140,7 @@ void check_entry(const SectionEntry& entry, std::uint64_t where, const FileHeade
     });
   }
   if (required != ((entry.flags & kRequired) != 0) && known) bad("flags", entry.flags);
+  if (known && !required && (entry.flags & kSafeToCopy & ~usual_flags(entry.kind))) bad("flags", entry.flags);
   if (header.minor <= kMinor) {
     if (entry.flags & ~(kRequired | kSafeToCopy)) bad("flags", entry.flags);
     if (entry.reserved != 0) bad("reserved", entry.reserved);

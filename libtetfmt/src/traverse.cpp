@@ -93,9 +93,12 @@ Hit hit_on(const FileView& view, const Ray& ray, Index tet, Ref ref, std::uint32
     hit.triangle = view.origins()[triangle];
     if (hit.triangle >= view.input_triangles().size()) return corrupt_hit();
     const auto& whole = view.input_triangles()[hit.triangle].vertices;
-    if (std::max({whole[0], whole[1], whole[2]}) < points.size() && whole != corner)
+    if (std::max({whole[0], whole[1], whole[2]}) >= points.size()) {
+      at.u = at.v = std::numeric_limits<double>::quiet_NaN();  // its corners are not all in the file
+    } else if (whole != corner) {
       at = from_piece(at, {points[corner[0]], points[corner[1]], points[corner[2]]},
                       {points[whole[0]], points[whole[1]], points[whole[2]]});
+    }
   }
   hit.t = at.t;
   hit.u = at.u;

@@ -34,7 +34,8 @@ Result<FileView> FileView::open(std::span<const std::byte> bytes, const Limits& 
   view.triangles_ = typed<Triangle>(view.section(kTriangles));
   view.hull_ = typed<HullFace>(view.section(kHullFaces));
   view.origins_ = typed<Index>(view.section(kOrigins));
-  view.input_triangles_ = typed<Triangle>(view.section(kInputTriangles));
+  view.input_triangles_ =
+      view.find(kInputTriangles) ? typed<Triangle>(view.section(kInputTriangles)) : view.triangles_;
   view.regions_ = typed<Region>(view.section(kRegions));
   if (view.partial()) {
     for (const Region& region : view.regions_) {

@@ -151,6 +151,13 @@ const std::vector<BrokenFile>& broken_files() {
       {Code::section_field, "flag", [] { return edited([](Bytes& b) { entry(b, kVertices).flags = 5; }); }},
       {Code::section_field, "META required",
        [] { return edited([](Bytes& b) { entry(b, kMetadata).flags = 1; }); }},
+      {Code::section_field, "REGN safe to copy",
+       [] {
+         Bytes bytes = encode(attributed_mesh(), Layout::tet20);
+         entry(bytes, kRegions).flags = kSafeToCopy;
+         rehash(bytes);
+         return bytes;
+       }},
       {Code::section_field, "version", [] { return edited([](Bytes& b) { entry(b, kSides).version = 2; }); }},
       {Code::section_field, "stride",
        [] {
@@ -575,6 +582,10 @@ const std::vector<BrokenFile>& broken_files() {
        [] { return attributed([](Mesh& m) { drop(m, kCorners); }); }},
       {Code::attribute_count, "TEXC too short",
        [] { return attributed([](Mesh& m) { part(m, kTexcoords).bytes.resize(24); }); }},
+      {Code::attribute_count, "DRAC beside what it stands for",
+       [] { return attributed([](Mesh& m) {
+              m.optional.push_back({kDracoSurface, 1, Bytes(8)});
+            }); }},
       {Code::attribute_count, "PROP without PVAL",
        [] { return attributed([](Mesh& m) { drop(m, kPropertyValues); }); }},
       {Code::attribute_count, "PVAL without PROP",

@@ -134,11 +134,11 @@ CleanSurface snap(const TriangleSoup& soup, int coarser_bits = 0);
 /// Encloses the surface in a box and fills it with tetrahedra, among whose faces is every triangle as it is.
 /// `surface` changes only where there is no other way, and the result is about what it is then: its grid may
 /// be 2, 4 or 8 times finer (the same points on it), and where TetGen has to put points on triangles these
-/// are cut there (the report says how many; the points keep to within a step of the surface's grid). Throws
-/// Intersecting if triangles intersect (`report` lists them by input number). Failure: runtime (TetGen died,
-/// or ran out of time or memory, with every choice of switches; NoRoomOnGrid if one of them failed for want
-/// of room only). The result is checked: exact orientation of every tet, every triangle there, the hull is
-/// the box.
+/// are cut there (the report says how many; the new points are rounded to the grid, and `report` has their
+/// largest distance). Throws Intersecting if triangles intersect (`report` lists them by input number).
+/// Failure: runtime (TetGen died, or ran out of time or memory, with every choice of switches; NoRoomOnGrid
+/// if one of them failed for want of room only). The result is checked: exact orientation of every tet, every
+/// triangle there, the hull is the box.
 TetMesh tetrahedralize(CleanSurface& surface, const TetrahedralizeOptions& options, Progress& progress,
                        StageLog& log, TetrahedralizeReport& report);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <string_view>
 
@@ -35,11 +36,16 @@ struct SurfaceAttributes {
   std::string_view texts_;
 };
 
-/// Interpolates one attribute over an input triangle with a hit's weights: (1 - u - v) a + u b + v c.
+/// Interpolates one attribute over an input triangle with a hit's weights: (1 - u - v) a + u b + v c. NaN
+/// where a corner has no surface point. `corners` must be in range, or kNone.
 template <std::size_t N>
 std::array<float, N> interpolate(std::span<const std::array<float, N>> values,
                                  const std::array<Index, 3>& corners, const Hit& hit) {
   std::array<float, N> result{};
+  if (corners[0] == kNone || corners[1] == kNone || corners[2] == kNone) {
+    result.fill(std::numeric_limits<float>::quiet_NaN());
+    return result;
+  }
   const double weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
   for (std::size_t k = 0; k < N; ++k) {
     double sum = 0;

@@ -40,7 +40,8 @@ struct Hit {
   bool back = false;       ///< the triangle was met from behind, against its normal (b - a) x (c - a)
   Index triangle = kNone;  ///< of the input surface (FileView::input_triangles)
   double t = std::numeric_limits<double>::infinity();  ///< in units of the ray's direction; at least 0
-  double u = 0, v = 0;      ///< barycentric weights of that triangle's second and third corner
+  double u = 0, v = 0;      ///< barycentric weights of that triangle's second and third corner; NaN where
+                            ///< it was cut up and the file does not hold all of its corners
   Index side = kNone;       ///< the side that was met; twin(side) is beyond
   Index tet = kNone;        ///< the tetrahedron that the ray came through
   Index neighbor = kNone;   ///< the tetrahedron beyond the face; kNone if the file leaves it out

@@ -22,7 +22,7 @@ struct Limits {
 /// The bytes must outlive the view, which copies none of them.
 class FileView {
  public:
-  /// Checks Level::structure, O(sections + hull faces), allocates nothing that grows with the file.
+  /// Checks Level::structure, O(sections + hull faces + regions), allocates nothing that grows with the file.
   /// `bytes` must be aligned to 8 bytes, as mappings and vectors are. Returns the first problem found.
   static Result<FileView> open(std::span<const std::byte> bytes, const Limits& limits = {});
 
@@ -41,9 +41,7 @@ class FileView {
   std::span<const Triangle> triangles() const { return triangles_; }
   std::span<const HullFace> hull() const { return hull_; }
   /// The input's triangles, whose numbers hits report: triangles(), unless the writer had to cut some up.
-  std::span<const Triangle> input_triangles() const {
-    return origins_.empty() ? triangles_ : input_triangles_;
-  }
+  std::span<const Triangle> input_triangles() const { return input_triangles_; }
   /// Of each of triangles(), the input triangle that it is a piece of. Empty: they are the same.
   std::span<const Index> origins() const { return origins_; }
   /// Ascending in the tets that they hold; empty if the file does not tell.
