@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -265,6 +268,67 @@ TEST_F(Read, GltfAccessors) {
   file.show({{"attributes", {{"POSITION", 1}}}});
   const auto soup = read_text("a.glb", file.glb());
   EXPECT_EQ(soup.points, (Points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {-7, 0, 0}, {0, 300, 0}}));
+}
+
+/// Triangles 0 1 2 and 2 1 3 of a unit square by Draco, without loss; attribute 0: position, 1: colour.
+std::string draco_square() {
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(2);
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int color = builder.AddAttribute(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8);
+  const float points[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  const std::uint8_t paints[4][3] = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {51, 51, 51}};
+  const int faces[2][3] = {{0, 1, 2}, {2, 1, 3}};
+  for (std::uint32_t f = 0; f < 2; ++f) {
+    const auto& [a, b, c] = faces[f];
+    builder.SetAttributeValuesForFace(position, draco::FaceIndex(f), points[a], points[b], points[c]);
+    builder.SetAttributeValuesForFace(color, draco::FaceIndex(f), paints[a], paints[b], paints[c]);
+  }
+  const auto mesh = builder.Finalize();
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+  draco::EncoderBuffer buffer;
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
+  return {buffer.data(), buffer.size()};
+}
+
+TEST_F(Read, GltfDraco) {
+  Gltf file;
+  const std::string compressed = draco_square();
+  const int view = file.view(std::vector<char>(compressed.begin(), compressed.end()));
+  file.root["extensionsUsed"] = file.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  file.root["accessors"] = {{{"componentType", 5126}, {"count", 4}, {"type", "VEC3"}},
+                            {{"componentType", 5121}, {"count", 4}, {"type", "VEC3"}, {"normalized", true}},
+                            {{"componentType", 5125}, {"count", 6}, {"type", "SCALAR"}}};
+  file.show({{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}},
+             {"indices", 2},
+             {"extensions",
+              {{"KHR_draco_mesh_compression",
+                {{"bufferView", view}, {"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}}}}}},
+            {{"scale", {2, 2, 2}}});
+  const auto soup = read_text("a.glb", file.glb());
+  ASSERT_EQ(soup.triangles.size(), 2u);
+  const Points expected{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 2, 0}, {2, 0, 0}, {2, 2, 0}};
+  const std::vector<std::array<float, 4>> paints{{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1},
+                                                 {0, 0, 1, 1}, {0, 1, 0, 1}, {0.2f, 0.2f, 0.2f, 1}};
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(soup.points[soup.triangles[i / 3][i % 3]], expected[i]);
+    EXPECT_EQ(soup.appearance.colors[soup.appearance.corners[i / 3][i % 3]], paints[i]);
+  }
+  const std::string extension = "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression";
+  const auto with = [&](const std::string& pointer, const json& value) {
+    Gltf copy = file;
+    copy.root[json::json_pointer(extension + pointer)] = value;
+    return copy.glb();
+  };
+  refuse("a.glb", with("/bufferView", 3), {"KHR_draco_mesh_compression.bufferView", "3"});
+  refuse("a.glb", with("/attributes/POSITION", 9), {"primitives[0]", "no attribute 9"});
+  refuse("a.glb", with("/attributes/POSITION", "x"), {"POSITION", "\"x\""});
+  refuse("a.glb", with("/attributes", {{"POSITION", 0}}), {"primitives[0]", "COLOR_0"});
+  Gltf damaged = file;
+  damaged.data[0] = 'X';
+  refuse("a.glb", damaged.glb(), {"primitives[0]", "Draco"});
+  expect_soundness(path("a.glb"), file.glb());
 }
 
 TEST_F(Read, GltfScenes) {

@@ -2,6 +2,7 @@
 // What all formats share; OFF and STL.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "prep/read_support.hpp"
 
@@ -201,6 +202,49 @@ TEST_F(Read, Polygons) {
     EXPECT_EQ(soup.triangles.size(), triangles) << face;
     EXPECT_DOUBLE_EQ(area(soup), expected) << face;
   }
+}
+
+TEST_F(Read, LargePolygons) {
+  // A star with 20,000 corners, flat and tilted and bent; and one whose corners are anywhere.
+  constexpr int kCount = 20000;
+  const auto polygon = [&](const std::function<std::array<double, 3>(double, double)>& place) {
+    std::string text, face = "f";
+    for (int i = 0; i < kCount; ++i) {
+      const double angle = 2 * M_PI * i / kCount, radius = 1 + 0.3 * std::sin(7 * angle);
+      const auto p = place(radius * std::cos(angle), radius * std::sin(angle));
+      text += "v " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
+      face += " " + std::to_string(i + 1);
+    }
+    return tetprep::parse_soup("a.obj", text + face + "\n");
+  };
+  const auto shadow = [](const TriangleSoup& soup) {
+    double signed_area = 0, area = 0;
+    for (const auto& [a, b, c] : soup.triangles) {
+      const auto &p = soup.points[a], &q = soup.points[b], &r = soup.points[c];
+      const double twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+      signed_area += twice / 2;
+      area += std::abs(twice) / 2;
+    }
+    EXPECT_NEAR(signed_area, area, 1e-4);
+    return area;
+  };
+  const double expected = M_PI * (1 + 0.09 / 2);
+  for (const double slope : {0.0, 0.7}) {
+    const auto soup = polygon([&](double x, double y) { return std::array<double, 3>{x, y, slope * x}; });
+    EXPECT_EQ(soup.triangles.size(), std::size_t{kCount - 2});
+    EXPECT_NEAR(shadow(soup), expected, 1e-3);
+  }
+  EXPECT_NEAR(shadow(polygon([&](double x, double y) {
+                return std::array<double, 3>{x, y, 0.3 * x * y};
+              })),
+              expected, 1e-3);
+  std::uint32_t state = 1;
+  const auto any = [&](double, double) {
+    std::array<double, 3> p{};
+    for (double& x : p) x = (state = state * 1664525 + 1013904223) / 4294967296.0;
+    return p;
+  };
+  EXPECT_EQ(polygon(any).triangles.size(), std::size_t{kCount - 2});
 }
 
 TEST_F(Read, FilesThatAreNone) {

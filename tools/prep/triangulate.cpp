@@ -66,12 +66,23 @@ class Triangulator {
   /// Not as a fan: the fan of a concave polygon overlaps itself.
   void cut_large(const std::vector<Index>& polygon) {
     loop_.clear();
-    for (const Index i : polygon) loop_.emplace_back(points_[i][0], points_[i][1], points_[i][2]);
     pieces_.clear();
+    // For a polygon that is not flat CGAL searches all triangulations, which takes time in the cube of its
+    // corners. Large ones are cut as their shadows on the coordinate plane that they face most.
+    constexpr std::size_t kMostSearched = 64;
+    const bool search = polygon.size() <= kMostSearched;
+    const std::size_t dropped = search ? 3 : facing(polygon);
+    for (const Index i : polygon) {
+      Point p = points_[i];
+      if (!search) p[dropped] = 0;
+      loop_.emplace_back(p[0], p[1], p[2]);
+    }
     CGAL::Polygon_mesh_processing::triangulate_hole_polyline(
         loop_, std::back_inserter(pieces_),
-        CGAL::parameters::use_2d_constrained_delaunay_triangulation(true));
-    if (pieces_.size() != polygon.size() - 2) {  // all corners on a line, or in one point
+        CGAL::parameters::use_2d_constrained_delaunay_triangulation(true)
+            .use_delaunay_triangulation(search)
+            .do_not_use_cubic_algorithm(!search));
+    if (pieces_.size() != polygon.size() - 2) {  // all corners on a line, or a large one that crosses itself
       pieces_.clear();
       for (int i = 2; i < static_cast<int>(polygon.size()); ++i) pieces_.emplace_back(0, i - 1, i);
     }
@@ -82,6 +93,20 @@ class Triangulator {
       std::sort(triangles_.back().begin(), triangles_.back().end());
     }
     std::sort(triangles_.begin(), triangles_.end());
+  }
+
+  /// The axis along which a polygon's area is largest (Newell's normal).
+  std::size_t facing(const std::vector<Index>& polygon) const {
+    Point sum{};
+    const Point& origin = points_[polygon[0]];
+    for (std::size_t i = 2; i < polygon.size(); ++i) {
+      const Point n = normal(origin, points_[polygon[i - 1]], points_[polygon[i]]);
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += n[k];
+    }
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+      if (std::abs(sum[k]) > std::abs(sum[axis])) axis = k;
+    return axis;
   }
 
   const std::vector<Point>& points_;
