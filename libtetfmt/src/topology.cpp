@@ -296,6 +296,11 @@ class Walk {
         add(Code::unreachable, t, [&] { return "no source tet leads to tet " + str(t); });
       }
     }
+    if (view_.partial() && view_.find(kInputTriangles)) {  // they keep their corners in left-out space
+      for (const Triangle& triangle : view_.input_triangles())
+        for (const Index id : triangle.vertices)
+          if (id < vertex_count_) used[id] = 1;
+    }
     for (Index id = 0; id < vertex_count_; ++id)
       if (!used[id])
         add(Code::orphan_vertex, id, [&] { return "vertex " + str(id) + " belongs to no tetrahedron"; });

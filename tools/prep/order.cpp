@@ -15,12 +15,15 @@ namespace {
 
 using Corners = std::array<Index, 3>;
 
-/// The vertices that tets have, along a Hilbert curve: `old_number` of each, and `new_number` of every point
-/// of the mesh, kNone for those left behind.
+/// The vertices that tets and `others` have, along a Hilbert curve: `old_number` of each, and `new_number` of
+/// every point of the mesh, kNone for those left behind.
 struct VertexOrder {
   std::vector<Index> old_number, new_number;
 
-  explicit VertexOrder(const TetMesh& mesh) : new_number(mesh.points.size(), kNone) {
+  VertexOrder(const TetMesh& mesh, std::span<const Corners> others) : new_number(mesh.points.size(), kNone) {
+    for (const Corners& corners : others)
+      for (const Index v : corners)
+        if (v != kNone) new_number[v] = 0;
     tbb::parallel_for(std::size_t{0}, mesh.tets.size(), [&](std::size_t t) {
       for (const Index v : mesh.tets[t]) std::atomic_ref(new_number[v]).store(0, std::memory_order_relaxed);
     });
@@ -34,7 +37,7 @@ struct VertexOrder {
                       [&](std::size_t i) { new_number[old_number[i]] = static_cast<Index>(i); });
   }
 
-  /// kNone x 3 if one of them is not there any more.
+  /// kNone x 3 stays that.
   Corners of(const Corners& corners) const {
     Corners result{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -77,18 +80,25 @@ tetfmt::OptionalSection section(tetfmt::SectionKind kind, const std::vector<T>& 
 
 tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface,
                    std::span<const Index> triangle_material) {
-  const VertexOrder vertices(mesh);
+  Index faces = 0;
+  const std::vector<Index> face_number = number_faces(mesh, surface.triangles.size(), faces);
+  // Input triangles that are there in pieces keep their corners, for the weights of hits, even those corners
+  // that lie in left-out space.
+  const bool cut = !surface.input_corners.empty();
+  std::vector<Corners> input(cut ? surface.input_corners.size() : 0, Corners{kNone, kNone, kNone});
+  for (std::size_t t = 0; cut && t < surface.triangles.size(); ++t)
+    if (face_number[t] != kNone)
+      input[surface.input_triangle[t]] = surface.input_corners[surface.input_triangle[t]];
+  const VertexOrder vertices(mesh, input);
+
   tetfmt::Mesh out;
   out.origin = mesh.origin;
   out.vertices = local_vertices(mesh, vertices.old_number);
 
   // Of uncut triangles the file keeps the input's numbers. Pieces have numbers of their own.
-  const bool cut = !surface.input_corners.empty();
   const auto file_number = [&](std::size_t t) {
     return cut ? static_cast<Index>(t) : surface.input_triangle[t];
   };
-  Index faces = 0;
-  const std::vector<Index> face_number = number_faces(mesh, surface.triangles.size(), faces);
   out.triangles.resize(cut ? surface.triangles.size() : surface.input_triangle_count);
   out.sides.resize(std::size_t{2} * faces);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -127,8 +137,7 @@ tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface,
   out.sources = choose_sources(mesh);
   if (!mesh.region.empty()) out.optional.push_back(region_section(mesh));
   if (cut) {
-    std::vector<Corners> input(surface.input_corners.size());
-    for (std::size_t t = 0; t < input.size(); ++t) input[t] = vertices.of(surface.input_corners[t]);
+    for (Corners& corners : input) corners = vertices.of(corners);
     out.optional.push_back(section(tetfmt::kOrigins, surface.input_triangle));
     out.optional.push_back(section(tetfmt::kInputTriangles, input));
   }

@@ -190,6 +190,8 @@ class Conversion {
                                number(std::ldexp(1.0, surface->grid_exponent)) +
                                " (points moved by at most " + number(surface->max_deviation) +
                                ", model units), because of this: " + failure.what());
+    report_.resolve = {};
+    report_.tetrahedralize = {};
     return std::move(*surface);
   }
 
@@ -203,6 +205,8 @@ class Conversion {
         TetMesh tets = tetrahedralize(surface, how, progress_, log_, report_.tetrahedralize);
         report_.surface_points = surface.points.size();
         report_.surface_triangles = surface.triangles.size();
+        report_.grid_exponent = surface.grid_exponent;  // Steiner points may have asked for a finer one
+        report_.origin = surface.origin;
         if (report_.tetrahedralize.cut_triangles > 0)
           report_.warnings.push_back(
               std::to_string(report_.tetrahedralize.cut_triangles) +
@@ -233,6 +237,11 @@ class Conversion {
     ResolveReport once;
     surface = resolve(std::move(surface), std::move(pairs), threads_, progress_, once);
     log_.end();
+    if (once.grid_coarsening > 0)
+      report_.warnings.push_back(
+          "intersections did not end until points near each other were made one (the surface moved by at "
+          "most " +
+          number(once.max_deviation) + ", model units)");
     once.intersecting_pairs = std::max(sum.intersecting_pairs, once.intersecting_pairs);
     once.rounds += sum.rounds;
     once.new_points += sum.new_points;
@@ -240,13 +249,6 @@ class Conversion {
     once.grid_coarsening += sum.grid_coarsening;
     once.max_deviation = std::max(sum.max_deviation, once.max_deviation);
     sum = once;
-    report_.grid_exponent = surface.grid_exponent;
-    report_.max_deviation = surface.max_deviation;
-    if (once.grid_coarsening > 0)
-      report_.warnings.push_back("intersections could only be resolved on a coarser grid, of step " +
-                                 number(std::ldexp(1.0, surface.grid_exponent)) +
-                                 " (points moved by at most " + number(surface.max_deviation) +
-                                 ", model units)");
   }
 
   /// `marked` may hold triangles more than once.

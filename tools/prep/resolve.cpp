@@ -315,9 +315,13 @@ class Resolver {
         ++report_.cut_triangles;
         report_.pieces += end - t;
       }
-      // Thinner than the grid at a corner, and nothing else there: its first piece stands for it.
-      auto& corners = corners_of[input];
-      if (corners[0] == kNone || std::any_of(corners.begin(), corners.end(), unused))
+      // Thinner than the grid at a corner, and nothing else there: the nearest corner of a piece takes its
+      // place; and where that leaves no triangle, the first piece stands for the whole.
+      Corners& corners = corners_of[input];
+      for (Index& corner : corners)
+        if (unused(corner)) corner = nearest_corner(corner, t, end);
+      if (corners[0] == kNone || corners[0] == corners[1] || corners[1] == corners[2] ||
+          corners[2] == corners[0])
         corners = surface_.triangles[t];
     }
     for (Corners& corners : corners_of)
@@ -337,6 +341,23 @@ class Resolver {
           if (corner != kNone) corner = number[corner];
     report_.max_deviation =
         step_ * std::max(moved, furthest_from_origin(surface_, first_points_, first_corners_));
+  }
+
+  /// Of the corners of triangles `begin` to `end`, the nearest to a point; the first of several.
+  Index nearest_corner(Index point, std::size_t begin, std::size_t end) const {
+    const auto squared_distance = [&](Index corner) {
+      std::int64_t squared = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int64_t d = surface_.points[corner][k] - surface_.points[point][k];
+        squared += d * d;
+      }
+      return squared;
+    };
+    Index nearest = surface_.triangles[begin][0];
+    for (std::size_t t = begin; t < end; ++t)
+      for (const Index corner : surface_.triangles[t])
+        if (squared_distance(corner) < squared_distance(nearest)) nearest = corner;
+    return nearest;
   }
 
   /// The largest distance of a corner of the input from its place. Grid steps.
@@ -388,8 +409,8 @@ class Resolver {
   [[noreturn]] void fail_endless(const std::vector<TrianglePair>& pairs) const {
     throw Failure(ExitCode::runtime, "the surface still intersects itself after " +
                                          std::to_string(report_.rounds) +
-                                         " rounds of cutting, on a grid made 2^" +
-                                         std::to_string(report_.grid_coarsening) + " times as coarse; " +
+                                         " rounds of cutting, in the last of which points up to " +
+                                         number(reach() * step_) + " apart (model units) were made one; " +
                                          name_busiest(pairs) + " others; remove or separate such triangles");
   }
 

@@ -90,7 +90,8 @@ class LogicalLines {
 
  private:
   static bool continued(std::string_view line) {
-    const auto last = line.find_last_not_of(" \t\r");
+    const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r");
+    if (first != std::string_view::npos && line[first] == '#') return false;  // a comment ends with its line
     return last != std::string_view::npos && line[last] == '\\';
   }
   std::string_view take() {

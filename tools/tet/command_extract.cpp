@@ -40,7 +40,7 @@ void print_summary(const ExtractOptions& options, const SurfaceMesh& mesh) {
   line += " of " + counted(mesh.input_triangle_count, "input triangle");
   if (mesh.left_out > 0) {
     line += "; " + counted(mesh.left_out, "triangle") + (mesh.left_out == 1 ? " is" : " are") +
-            " not in the file (degenerate, or a repetition of another one)";
+            " not in the file (degenerate, a repetition of another one, or in space that was left out)";
   }
   std::cerr << "tet extract: " << one_line(line) << '\n';
 }
@@ -102,7 +102,8 @@ void add_extract_command(CLI::App& app, std::function<int()>& run) {
       "Triangles are in the input's order, in the input's coordinates: those that the file holds, which is "
       "the "
       "input\n"
-      "moved to the file's grid. Triangles that the converter left out (degenerate, repeated) are counted on "
+      "moved to the file's grid. Triangles that the converter left out (degenerate, repeated, in left-out "
+      "space) are counted on "
       "standard\n"
       "error. Text shows numbers by the fewest digits that read back as the same number.\n"
       "\n"
