@@ -9,10 +9,10 @@
 namespace tetfmt::detail {
 namespace {
 
-using Vec = std::array<double, 3>;
+using Vec = Vec3d;
 
 Vec vec(const Vec3f& p) {
-  return {p.x, p.y, p.z};
+  return to_vec3d(p);
 }
 Vec operator-(const Vec& a, const Vec& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -22,6 +22,34 @@ double dot(const Vec& a, const Vec& b) {
 }
 Vec cross(const Vec& a, const Vec& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// A sum and what rounding it left over, exactly (Knuth).
+struct Sum {
+  double value, rest;
+  static Sum of(double a, double b) {
+    const double value = a + b, from_b = value - a;
+    return {value, (a - (value - from_b)) + (b - from_b)};
+  }
+};
+
+/// A product and its rest, exactly (Veltkamp and Dekker; factors below 2^996). Not by std::fma, which is a
+/// slow function where the compiler may not assume the instruction.
+Sum product(double a, double b) {
+  constexpr double kSplit = 0x1p27 + 1;
+  const double a_shifted = kSplit * a, b_shifted = kSplit * b;
+  const double a_high = a_shifted - (a_shifted - a), b_high = b_shifted - (b_shifted - b);
+  const double a_low = a - a_high, b_low = b - b_high;
+  const double value = a * b;
+  return {value, a_low * b_low - (((value - a_high * b_high) - a_low * b_high) - a_high * b_low)};
+}
+
+/// a . (b + rest) as if in twice the precision, rounded once (Ogita, Rump and Oishi 2005, Dot2): the error is
+/// one rounding of the result, and some 2^-102 of the sum of the products' sizes.
+double accurate_dot(const Vec& a, const Vec& b, const Vec& rest) {
+  const Sum x = product(a[0], b[0]), y = product(a[1], b[1]), z = product(a[2], b[2]);
+  const Sum xy = Sum::of(x.value, y.value), xyz = Sum::of(xy.value, z.value);
+  return xyz.value + ((x.rest + y.rest + z.rest) + (xy.rest + xyz.rest) + dot(a, rest));
 }
 
 std::size_t main_axis(const Vec& n) {
@@ -82,13 +110,16 @@ TrianglePoint from_piece(const TrianglePoint& at, const std::array<Vec3f, 3>& pi
   return point;
 }
 
-TrianglePoint intersect(const Vec3f& origin, const Vec3f& direction, const Vec3f& a, const Vec3f& b,
-                        const Vec3f& c) {
-  const Vec o = vec(origin), d = vec(direction);
-  const Vec to_a = vec(a) - o;
+TrianglePoint intersect(const Vec3d& o, const Vec3d& d, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  Vec to_a, rest;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Sum difference = Sum::of(vec(a)[k], -o[k]);
+    to_a[k] = difference.value;
+    rest[k] = difference.rest;
+  }
   const Vec ab = vec(b) - vec(a), ac = vec(c) - vec(a);
   const Vec n = cross(ab, ac);
-  const double along = dot(n, d);
+  const double along = accurate_dot(n, d, {});
   TrianglePoint point;
   // An angle of less than a fifth of a second of arc. (Squares of products of float32 values neither overflow
   // nor underflow in double precision.)
@@ -97,7 +128,7 @@ TrianglePoint intersect(const Vec3f& origin, const Vec3f& direction, const Vec3f
   } else {
     // Moeller and Trumbore (1997), arranged so that t comes from the normal, which is exact.
     const Vec moment = cross(d, to_a);
-    point.t = dot(n, to_a) / along;
+    point.t = accurate_dot(n, to_a, rest) / along;
     point.u = -dot(moment, ac) / along;
     point.v = dot(moment, ab) / along;
   }

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "predicates.hpp"
 #include "tetfmt/types.hpp"
 
 namespace tetfmt::detail {
@@ -14,9 +15,11 @@ struct TrianglePoint {
 };
 
 /// For a ray that is known to meet the closed triangle (a, b, c), or to pass it by an infinitesimal distance.
-/// The normal is exact for corners on a common grid of 24 bits, so t carries a few roundings of |a - origin|
-/// over the sine of the angle of incidence; for a ray in the triangle's plane it is where the ray enters it.
-TrianglePoint intersect(const Vec3f& origin, const Vec3f& direction, const Vec3f& a, const Vec3f& b,
+/// t is the quotient of two exact sums, each rounded once: within 3 units in the last place for rays that
+/// meet the triangle at 1 degree or more (corners on a common grid of 24 bits). u and v carry some ten
+/// roundings of the distance from the origin to a, over the triangle's height and the sine of the angle. For
+/// a ray in the triangle's plane, the point where it enters the triangle.
+TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c);
 
 /// The same point with the weights of the triangle that `piece` was cut from. The piece's corners may be off

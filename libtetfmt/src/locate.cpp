@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
 #include <queue>
 #include <unordered_set>
 
@@ -41,18 +42,19 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
   const auto vertices = view.vertices();
   for (const Index id : from.vertices) {
     const Vec3d p = to_vec3d(vertices[id]);
-    for (std::size_t i = 0; i < 3; ++i) line.origin[i] += p[i] / 4;  // exact: grid coordinates have 25 bits
+    for (std::size_t i = 0; i < 3; ++i)
+      line.origin.point[i] += p[i] / 4;  // exact: grid coordinates have 25 bits
   }
   line.toward = point;
   line.through_point = true;
-  for (std::size_t i = 0; i < 3; ++i) line.direction[i] = point[i] - line.origin[i];
+  for (std::size_t i = 0; i < 3; ++i) line.direction[i] = point[i] - line.origin.point[i];
   if (line.direction == Vec3d{}) return located(from);
 
-  const ExactSigns signs(line, view.bounds(), vertices);
+  const Signs signs(line, view.bounds(), vertices, {});
   const std::optional<Passage> exit = exit_of(view, signs, from, is_positive(view, from));
   if (!exit) return {};  // the centroid lies outside: not a mesh
   const auto before = [&](const std::array<Index, 3>& f) {
-    return behind({vertices[f[0]], f[0]}, {vertices[f[1]], f[1]}, {vertices[f[2]], f[2]}, point);
+    return behind({vertices[f[0]], f[0]}, {vertices[f[1]], f[1]}, {vertices[f[2]], f[2]}, Place{point, {}});
   };
   if (before(exit->ids)) return located(from);
 
@@ -94,7 +96,7 @@ bool contains(const FileView& view, const Cell& cell, const Vec3d& point) {
   };
   const bool positive = is_positive(view, cell);
   return std::all_of(kOutwardFaces.begin(), kOutwardFaces.end(), [&](const auto& f) {
-    return behind(corner(f[0]), corner(f[1]), corner(f[2]), point) == positive;
+    return behind(corner(f[0]), corner(f[1]), corner(f[2]), Place{point, {}}) == positive;
   });
 }
 
@@ -158,7 +160,7 @@ Location search(const FileView& view, const Cells& cells, const Cell& from, cons
 template <class Cells>
 void find_entrances(const FileView& view, const Cells& cells, const Vec3d& point, Location& location) {
   for (std::size_t i = 0; i < view.hull().size(); ++i) {
-    const std::optional<bool> inwards = seen_from(view, cells, view.hull()[i], point);
+    const std::optional<bool> inwards = seen_from(view, cells, view.hull()[i], {point, {}});
     if (!inwards) continue;
     if (location.entrance_count == location.entrances.size()) {
       location.entrance_count = Location::kManyEntrances;
@@ -172,17 +174,19 @@ template <bool kChecked>
 Location locate_in(const FileView& view, Vec3f point, const Cell* from) {
   Location location;
   location.state = Location::State::outside;
+  const Vec3d position = location.position = to_vec3d(point);
   if (!(std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z))) return location;
   const Cell start = from ? *from : source_cell(view);
   if (!in_range(view, start)) return {};
   with_cells(view, [&](const auto& cells) {
-    location = walk_to<kChecked>(view, cells, start, to_vec3d(point));
+    location = walk_to<kChecked>(view, cells, start, position);
     using enum Location::State;
     if (location.state == absent && in_bounds(view.bounds(), point))
-      location = search(view, cells, start, to_vec3d(point));
+      location = search(view, cells, start, position);
     if (location.state == inside) location.positive = is_positive(view, location.cell);
     if (location.state == outside || location.state == absent)
-      find_entrances(view, cells, to_vec3d(point), location);
+      find_entrances(view, cells, position, location);
+    location.position = position;
     // Whoever is in no tetrahedron and sees the hull is outside, not in left-out space.
     if (location.state == absent && location.entrance_count > 0) location.state = outside;
   });

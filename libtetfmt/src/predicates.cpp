@@ -12,9 +12,14 @@
 namespace tetfmt::detail {
 namespace {
 
-// Products of three differences of float32 values span at most 3 * 278 bits, so 1024 never overflow.
-using Wide = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
-    1024, 1024, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
+template <unsigned kBits>
+using Integers = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
+    kBits, kBits, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;
+// Products of three differences of float32 values span at most 3 * 278 bits, of points on sides of faces 81
+// more: 1024 never overflow.
+using Wide = Integers<1024>;
+// The same for origin + t * direction, t any double: 3 * 2400 bits.
+using Widest = Integers<8192>;
 // Enough where every entry stays below 2^40: on lattices, where ties are common.
 __extension__ using Narrow = __int128;
 constexpr int kNarrowBits = 40;
@@ -27,7 +32,7 @@ using Matrix = std::array<Row<Integer>, 3>;
 constexpr double kEpsilon = 0x1p-53;
 
 /// value = mantissa * 2^exponent, mantissa odd and of at most 53 bits; {0, 0} for zero and for what is not
-/// finite. Sums and differences of float32 values are never subnormal in double precision.
+/// finite.
 struct Decomposed {
   std::int64_t mantissa = 0;
   int exponent = 0;
@@ -35,9 +40,11 @@ struct Decomposed {
 Decomposed decompose(double value) {
   if (value == 0 || !std::isfinite(value)) return {};
   const auto bits = std::bit_cast<std::uint64_t>(value);
-  const auto mantissa = static_cast<std::int64_t>((bits & 0xFFFFFFFFFFFFF) | 0x10000000000000);
-  const int zeros = std::countr_zero(bits | 0x10000000000000);
-  return {(value < 0 ? -mantissa : mantissa) >> zeros, static_cast<int>(bits >> 52 & 0x7FF) - 1075 + zeros};
+  const int biased = static_cast<int>(bits >> 52 & 0x7FF);
+  const std::uint64_t leading = biased == 0 ? 0 : 0x10000000000000;  // subnormal numbers have none
+  const auto mantissa = static_cast<std::int64_t>((bits & 0xFFFFFFFFFFFFF) | leading);
+  const int zeros = std::countr_zero(static_cast<std::uint64_t>(mantissa));
+  return {(value < 0 ? -mantissa : mantissa) >> zeros, std::max(biased, 1) - 1075 + zeros};
 }
 
 /// The powers of two between which all bits of some numbers lie: lowest <= bits < highest.
@@ -81,53 +88,77 @@ Row<Integer> difference(const Vec3d& a, const Vec3d& b, int scale) {
 }
 
 template <class Integer>
-int determinant_sign(const Matrix<Integer>& m) {
-  const Integer value = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
-                        m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
-                        m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-  return (value > 0) - (value < 0);
+Integer determinant(const Matrix<Integer>& m) {
+  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
+         m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
+         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/// Sign of the determinant after perturbing row r as vertex ids[r] (kNone: this row stays). Expanded in
-/// powers of e, a term takes the unit vector j for some of the perturbed rows; its power is the sum of
-/// 2^(3i+j). Only the order of the ids matters for the order of the powers, so ranks stand in for them. Zero
-/// only if no term is left, which needs equal ids or a zero direction.
+/// What of a determinant moves, and by which infinitesimals.
+struct Motion {
+  std::array<Index, 3> ids;  ///< the vertex whose motion row r follows; kNone: it does not move
+  Vec3d lift;                ///< rows of moving vertices are relative to a point that moves along this
+};
+
+/// Sign of the determinant whose rows `lifted` are relative to the moved point: first as they stand, then by
+/// the rate at which that motion changes it. (To second order it does not: two rows would be the same.)
 template <class Integer>
-int perturbed_sign(const Matrix<Integer>& matrix, const std::array<Index, 3>& ids) {
-  if (const int sign = determinant_sign(matrix)) return sign;
-  std::array<unsigned, 3> first_bit{};  // of each perturbed row: three bits a row, the smallest id lowest
+int lifted_sign(const Matrix<Integer>& m, const std::array<bool, 3>& lifted, const Vec3d& lift) {
+  const auto sign = [](const Integer& value) { return (value > 0) - (value < 0); };
+  if (const int still = sign(determinant(m))) return still;
+  if (lift == Vec3d{}) return 0;
+  Integer rate = 0;
+  for (std::size_t r = 0; r < 3; ++r) {
+    if (!lifted[r]) continue;
+    Matrix<Integer> term = m;
+    for (std::size_t i = 0; i < 3; ++i) term[r][i] = static_cast<int>(-lift[i]);
+    rate += determinant(term);
+  }
+  return sign(rate);
+}
+
+/// Sign of the determinant after the motions. Expanded in powers of e, a term takes the unit vector j for
+/// some of the moving rows; its power is the sum of 2^(3i+j). Only the order of the ids matters for the order
+/// of the powers, so ranks stand in for them. Zero only if no term is left, which needs equal ids or a zero
+/// direction.
+template <class Integer>
+int perturbed_sign(const Matrix<Integer>& matrix, const Motion& motion, Decided& how) {
+  std::array<bool, 3> lifted{};
+  for (std::size_t r = 0; r < 3; ++r) lifted[r] = motion.ids[r] != kNone;
+  how = Decided::by_integers;
+  if (const int sign = lifted_sign(matrix, lifted, motion.lift)) return sign;
+  how = Decided::by_tie_rule;
+  std::array<unsigned, 3> first_bit{};  // of each moving row: three bits a row, the smallest id lowest
   unsigned bit_count = 0;
   for (std::size_t r = 0; r < 3; ++r) {
-    if (ids[r] == kNone) continue;
+    if (!lifted[r]) continue;
     bit_count += 3;
-    for (const Index other : ids) first_bit[r] += other < ids[r] ? 3 : 0;
+    for (const Index other : motion.ids) first_bit[r] += other < motion.ids[r] ? 3 : 0;
   }
   for (unsigned power = 1; power < 1u << bit_count; ++power) {
     Matrix<Integer> term = matrix;
+    std::array<bool, 3> still_lifted = lifted;
     bool possible = true;
     for (std::size_t r = 0; r < 3 && possible; ++r) {
-      const unsigned bits = ids[r] == kNone ? 0 : power >> first_bit[r] & 7u;
+      const unsigned bits = lifted[r] ? power >> first_bit[r] & 7u : 0;
       if (bits == 0) continue;
       possible = std::has_single_bit(bits);
       term[r] = {Integer(bits & 1u), Integer(bits >> 1 & 1u), Integer(bits >> 2 & 1u)};
+      still_lifted[r] = false;
     }
     if (!possible) continue;
-    if (const int sign = determinant_sign(term)) return sign;
+    if (const int sign = lifted_sign(term, still_lifted, motion.lift)) return sign;
   }
   return 0;
-}
-
-Vec3d to_double(const Vec3f& p) {
-  return {p.x, p.y, p.z};
 }
 
 Vec3d minus(const Vec3d& a, const Vec3d& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// Sign of det[a, b, c] if double precision certifies it. The entries may carry one rounding each; the bound
-/// is that of Shewchuk (1997), orient3d stage A.
-std::optional<int> certified_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+}  // namespace
+
+int certified_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   double value = 0, permanent = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double p = b[(i + 1) % 3] * c[(i + 2) % 3], q = b[(i + 2) % 3] * c[(i + 1) % 3];
@@ -135,46 +166,82 @@ std::optional<int> certified_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c
     permanent += std::abs(a[i]) * (std::abs(p) + std::abs(q));
   }
   const double bound = (7 + 56 * kEpsilon) * kEpsilon * permanent;
-  if (value > bound) return 1;
-  if (value < -bound) return -1;
-  return std::nullopt;
+  return (value > bound) - (value < -bound);
 }
 
-}  // namespace
-
-bool passes_left(const Line& line, const Corner& a, const Corner& b) {
-  const Vec3d pa = to_double(a.point), pb = to_double(b.point);
-  const Vec3d to_a = minus(pa, line.origin), to_b = minus(pb, line.origin);
-  if (const auto sign = certified_sign(line.direction, to_a, to_b)) return *sign > 0;
+Passing passes_left(const Line& line, const Corner& a, const Corner& b) {
+  const Vec3d pa = to_vec3d(a.point), pb = to_vec3d(b.point), &o = line.origin.point;
+  const Vec3d to_a = minus(pa, o), to_b = minus(pb, o);
+  if (const int sign = certified_sign(line.direction, to_a, to_b)) return {sign > 0, Decided::in_double};
   // The edge's own vector instead of b: the same determinant, and a much smaller permanent for a far origin.
-  if (const auto sign = certified_sign(line.direction, to_a, minus(pb, pa))) return *sign > 0;
+  if (const int sign = certified_sign(line.direction, to_a, minus(pb, pa)))
+    return {sign > 0, Decided::in_double};
 
-  const BitRange points = bit_range<3>({line.origin, pa, pb});
+  const BitRange points = bit_range<3>({o, pa, pb});
   const BitRange directions =
-      line.through_point ? bit_range<2>({line.origin, line.toward}) : bit_range<1>({line.direction});
+      line.through_point ? bit_range<2>({o, line.toward}) : bit_range<1>({line.direction});
+  Passing passing;
   const auto sign = [&]<class Integer>(Integer) {
     const Row<Integer> direction = line.through_point
-                                       ? difference<Integer>(line.toward, line.origin, directions.lowest)
+                                       ? difference<Integer>(line.toward, o, directions.lowest)
                                        : to_integers<Integer>(line.direction, directions.lowest);
-    return perturbed_sign<Integer>({direction, difference<Integer>(pa, line.origin, points.lowest),
-                                    difference<Integer>(pb, line.origin, points.lowest)},
-                                   {kNone, a.id, b.id});
+    return perturbed_sign<Integer>(
+        {direction, difference<Integer>(pa, o, points.lowest), difference<Integer>(pb, o, points.lowest)},
+        {{kNone, a.id, b.id}, line.origin.lift}, passing.how);
   };
-  return (std::max(points.size(), directions.size()) < kNarrowBits ? sign(Narrow{}) : sign(Wide{})) > 0;
+  passing.left =
+      (std::max(points.size(), directions.size()) < kNarrowBits ? sign(Narrow{}) : sign(Wide{})) > 0;
+  return passing;
 }
 
-bool behind(const Corner& a, const Corner& b, const Corner& c, const Vec3d& point) {
-  const Vec3d pa = to_double(a.point), pb = to_double(b.point), pc = to_double(c.point);
-  if (const auto sign = certified_sign(minus(pa, point), minus(pb, point), minus(pc, point)))
-    return *sign > 0;
-  const BitRange range = bit_range<4>({pa, pb, pc, point});
+bool behind(const Corner& a, const Corner& b, const Corner& c, const Place& place) {
+  const Vec3d pa = to_vec3d(a.point), pb = to_vec3d(b.point), pc = to_vec3d(c.point), &p = place.point;
+  if (const int sign = certified_sign(minus(pa, p), minus(pb, p), minus(pc, p))) return sign > 0;
+  const BitRange range = bit_range<4>({pa, pb, pc, p});
   const auto sign = [&]<class Integer>(Integer) {
+    Decided how;
     return perturbed_sign<Integer>(
-        {difference<Integer>(pa, point, range.lowest), difference<Integer>(pb, point, range.lowest),
-         difference<Integer>(pc, point, range.lowest)},
-        {a.id, b.id, c.id});
+        {difference<Integer>(pa, p, range.lowest), difference<Integer>(pb, p, range.lowest),
+         difference<Integer>(pc, p, range.lowest)},
+        {{a.id, b.id, c.id}, place.lift}, how);
   };
   return (range.size() < kNarrowBits ? sign(Narrow{}) : sign(Wide{})) > 0;
+}
+
+bool behind(const Corner& a, const Corner& b, const Corner& c, const Line& line, double t) {
+  const Vec3d pa = to_vec3d(a.point), pb = to_vec3d(b.point), pc = to_vec3d(c.point), &o = line.origin.point;
+  // (a - o - t d) . n: the first factor is off by at most two roundings of |a - o| + |t d|, n by those that
+  // certified_sign allows for; products and sums add five. 16 covers them all.
+  {
+    const Vec3d ab = minus(pb, pa), ac = minus(pc, pa);
+    double value = 0, permanent = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double p = ab[(i + 1) % 3] * ac[(i + 2) % 3], q = ab[(i + 2) % 3] * ac[(i + 1) % 3];
+      const double to_a = pa[i] - o[i], along = t * line.direction[i];
+      value += (to_a - along) * (p - q);
+      permanent += (std::abs(to_a) + std::abs(along)) * (std::abs(p) + std::abs(q));
+    }
+    const double bound = 16 * kEpsilon * permanent;
+    if (value > bound) return true;
+    if (value < -bound) return false;
+  }
+  const BitRange points = bit_range<4>({pa, pb, pc, o}), directions = bit_range<1>({line.direction});
+  const Decomposed time = decompose(t);
+  const int scale = std::min(points.lowest, time.mantissa == 0 || directions.size() == 0
+                                                ? points.lowest
+                                                : directions.lowest + time.exponent);
+  Row<Widest> along{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [mantissa, exponent] = decompose(line.direction[i]);
+    along[i] = Widest(mantissa) * time.mantissa;
+    if (along[i] != 0) along[i] <<= static_cast<unsigned>(exponent + time.exponent - scale);
+  }
+  Matrix<Widest> rows = {difference<Widest>(pa, o, scale), difference<Widest>(pb, o, scale),
+                         difference<Widest>(pc, o, scale)};
+  for (Row<Widest>& row : rows)
+    for (std::size_t i = 0; i < 3; ++i) row[i] -= along[i];
+  Decided how;
+  return perturbed_sign<Widest>(rows, {{a.id, b.id, c.id}, line.origin.lift}, how) > 0;
 }
 
 }  // namespace tetfmt::detail

@@ -1,170 +1,221 @@
 // SPDX-License-Identifier: MIT
 #include "tetfmt/traverse.hpp"
 
-#include "intersect.hpp"
-#include "walk.hpp"
+#include "follow.hpp"
 
 namespace tetfmt {
 namespace {
 
 using namespace detail;
 
-/// False if the line certainly misses the box. Errs on the side of true: the hull's faces decide.
-bool may_meet(const Bounds& bounds, const Line& line) {
-  const Vec3d lower = to_vec3d(bounds.lower), upper = to_vec3d(bounds.upper);
-  double first = 0, last = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (line.direction[i] == 0) {
-      if (line.origin[i] < lower[i] || line.origin[i] > upper[i]) return false;
-      continue;
-    }
-    double near = (lower[i] - line.origin[i]) / line.direction[i];
-    double far = (upper[i] - line.origin[i]) / line.direction[i];
-    if (near > far) std::swap(near, far);
-    first = std::max(first, near);
-    last = std::min(last, far);
-  }
-  return first * (1 - 0x1p-50) <= last * (1 + 0x1p-50);  // three roundings each
+bool never(const Leaving&) {
+  return false;
 }
 
-/// The hull face by which the line comes in from outside and ahead of its origin: of the faces that see the
-/// origin, the one that the line crosses inwards.
-template <class Cells>
-std::optional<Passage> enter_hull(const FileView& view, const Cells& cells, const ExactSigns& signs,
-                                  const Line& line, const Location& start) {
-  if (!may_meet(view.bounds(), line)) return std::nullopt;
-  const auto points = view.vertices();
-  const auto enter = [&](const HullFace& face, bool inwards) -> std::optional<Passage> {
-    std::array<Index, 3> v = face.vertices;
-    if (face.tet >= view.tet_count() || std::max({v[0], v[1], v[2]}) >= points.size()) return std::nullopt;
-    const std::array<Point2<double>, 3> p = {signs.project(points[v[0]]), signs.project(points[v[1]]),
-                                             signs.project(points[v[2]])};
-    // Counter-clockwise about the line, a face's normal points onwards.
-    if (signs.left(p[0], v[0], p[1], v[1]) != inwards) return std::nullopt;
-    if (signs.left(p[1], v[1], p[2], v[2]) != inwards) return std::nullopt;
-    if (signs.left(p[2], v[2], p[0], v[0]) != inwards) return std::nullopt;
-    if (!inwards) std::swap(v[1], v[2]);
-    return Passage{kNone, v, face.tet};
-  };
-  if (start.entrance_count <= start.entrances.size()) {
-    for (std::size_t i = 0; i < start.entrance_count; ++i) {
-      const Entrance entrance = unpack_entrance(start.entrances[i]);
-      if (entrance.face >= view.hull().size()) continue;
-      if (const auto passage = enter(view.hull()[entrance.face], entrance.inwards)) return passage;
-    }
-    return std::nullopt;
+/// True as soon as the line is certainly beyond t_max: a point o + t d is t |d_k| away from o along axis k,
+/// and the exit face is no nearer than the nearest of its vertices.
+class PastEnd {
+ public:
+  PastEnd(const FileView& view, const Line& line, double t_max) : vertices_(view.vertices()), axis_(0) {
+    axis_ = Axes(line.direction).largest;
+    sign_ = line.direction[axis_] < 0 ? -1 : 1;
+    origin_ = line.origin.point[axis_];
+    const double length = t_max * std::abs(line.direction[axis_]);
+    depth_ = length + 0x1p-50 * (length + reach(line, view.bounds()));  // two roundings each, and to spare
   }
-  for (const HullFace& face : view.hull()) {
-    const std::optional<bool> inwards = seen_from(view, cells, face, line.origin);
-    if (!inwards) continue;
-    if (const auto passage = enter(face, *inwards)) return passage;
+  bool operator()(const Leaving& leaving) const {
+    if (leaving.apex != kNone && !beyond(leaving.apex)) return false;
+    return beyond(leaving.ids[0]) && beyond(leaving.ids[1]) && beyond(leaving.ids[2]);
   }
+
+ private:
+  bool beyond(Index id) const {
+    return sign_ * (double{coordinate(vertices_[id], axis_)} - origin_) > depth_;
+  }
+
+  std::span<const Vec3f> vertices_;
+  std::size_t axis_;
+  double sign_ = 1, origin_ = 0, depth_ = 0;
+};
+
+/// Where the face that a walk leaves by lies along its line. Exact.
+class Bounded {
+ public:
+  Bounded(const FileView& view, const Line& line, const Interval& interval)
+      : vertices_(view.vertices()), line_(line), interval_(interval) {}
+  bool too_early(const Leaving& at) const { return interval_.t_min > 0 && !after(at, interval_.t_min); }
+  bool too_late(const Leaving& at) const { return ends() && after(at, interval_.t_max); }
+  bool ends() const { return interval_.t_max < std::numeric_limits<double>::infinity(); }
+
+ private:
+  bool after(const Leaving& at, double t) const {
+    const auto corner = [&](std::size_t k) { return Corner{vertices_[at.ids[k]], at.ids[k]}; };
+    return behind(corner(0), corner(1), corner(2), line_, t);
+  }
+  std::span<const Vec3f> vertices_;
+  const Line& line_;
+  Interval interval_;
+};
+
+Hit ended(Outcome outcome) {
+  Hit hit;
+  hit.outcome = outcome;
+  return hit;
+}
+
+/// What there is to say of a ray before any step: nothing if it is to be followed along `line`.
+std::optional<Outcome> outcome_before(const FileView& view, const Location& from, const Vec3f& direction,
+                                      const Interval& interval, Line& line) {
+  if (from.state == Location::State::corrupt) return Outcome::corrupt;
+  if (from.state == Location::State::absent) return Outcome::absent;
+  if (!make_line(view, from, direction, line)) return Outcome::miss;
+  if (!(interval.t_max >= std::max(interval.t_min, 0.0)) || !(interval.t_min < Interval{}.t_max))
+    return Outcome::miss;
   return std::nullopt;
 }
 
-Hit corrupt_hit() {
-  Hit hit;
-  hit.outcome = Outcome::corrupt;
-  return hit;
-}
-
-/// The hit on the constrained face that `ref` names, reached from tetrahedron `tet`.
-Hit hit_on(const FileView& view, const Ray& ray, Index tet, Ref ref, std::uint32_t steps) {
-  Hit hit;
-  hit.steps = steps;
-  if (ref == kHull) return hit;
-  hit.side = side_index(ref);
-  if (hit.side >= view.sides().size() || twin(hit.side) >= view.sides().size()) return corrupt_hit();
-  const Index triangle = view.sides()[hit.side].triangle;
-  if (triangle >= view.triangles().size()) return corrupt_hit();
-  const auto& corner = view.triangles()[triangle].vertices;
-  if (std::max({corner[0], corner[1], corner[2]}) >= view.vertices().size()) return corrupt_hit();
-
-  hit.outcome = Outcome::hit;
-  hit.back = hit.side % 2 == 1;
-  hit.tet = tet;
-  hit.neighbor = view.sides()[twin(hit.side)].tet;
-  const auto points = view.vertices();
-  TrianglePoint at =
-      intersect(ray.origin, ray.direction, points[corner[0]], points[corner[1]], points[corner[2]]);
-  hit.triangle = triangle;
-  if (!view.origins().empty()) {
-    if (triangle >= view.origins().size()) return corrupt_hit();
-    hit.triangle = view.origins()[triangle];
-    if (hit.triangle >= view.input_triangles().size()) return corrupt_hit();
-    const auto& whole = view.input_triangles()[hit.triangle].vertices;
-    if (std::max({whole[0], whole[1], whole[2]}) >= points.size()) {
-      at.u = at.v = std::numeric_limits<double>::quiet_NaN();  // its corners are not all in the file
-    } else if (whole != corner) {
-      at = from_piece(at, {points[corner[0]], points[corner[1]], points[corner[2]]},
-                      {points[whole[0]], points[whole[1]], points[whole[2]]});
-    }
-  }
-  hit.t = at.t;
-  hit.u = at.u;
-  hit.v = at.v;
-  return hit;
-}
-
-template <bool kChecked, class Signs, class Cells>
-Hit trace(const FileView& view, const Cells& cells, const Ray& ray, const Line& line, const Location& start) {
-  // The first face is always found exactly: only then does a walk by float signs begin inside the line's
-  // path.
-  const ExactSigns exact(line, view.bounds(), view.vertices());
-  std::optional<Passage> passage;
-  if (start.state == Location::State::inside) {
-    if (!in_range(view, start.cell)) return corrupt_hit();
-    passage = exit_of(view, exact, start.cell, start.positive);
-    if (!passage) return corrupt_hit();  // the cell does not hold the origin
-  } else {
-    passage = enter_hull(view, cells, exact, line, start);
-    if (!passage) return {};
-  }
-  std::uint32_t steps = passage->from == kNone ? 0 : 1;
-  if (!is_tet(passage->ref)) return hit_on(view, ray, passage->from, passage->ref, steps);
-
-  Index last = kNone;
-  Ref ref = kHull;
-  const auto go_on = [&](const Leaving& leaving) {
-    if (is_tet(leaving.ref)) return Continue{leaving.ref, leaving.tet};
-    last = leaving.tet;
-    ref = leaving.ref;
-    return Continue{};
-  };
-  const auto& signs = Signs::of(exact);
-  const auto walked = walk<kChecked>(view, cells, signs, passage->ref, passage->from, passage->ids, go_on);
-  if (!walked) return corrupt_hit();
-  return hit_on(view, ray, last, ref, steps + *walked);
+/// Follows a ray and calls on_hit(leaving) at each constrained face within the interval, which says whether
+/// to stop there.
+template <bool kChecked, class OnHit>
+Followed follow_ray(const FileView& view, const Location& from, const Line& line, const Interval& interval,
+                    Kernel kernel, OnHit&& on_hit) {
+  const Bounded bounded(view, line, interval);
+  return with_cells(view, [&](const auto& cells) {
+    const Signs exact(line, view.bounds(), view.vertices(), {});
+    const auto go = [&](const auto& signs) {
+      bool late = false;
+      const auto at_face = [&](const Leaving& leaving) {
+        if (bounded.too_early(leaving)) return false;
+        late = bounded.too_late(leaving);
+        return late || on_hit(leaving);
+      };
+      Followed followed = bounded.ends()
+                              ? follow<kChecked>(view, cells, line, from, exact, signs,
+                                                 PastEnd(view, line, interval.t_max), at_face)
+                              : follow<kChecked>(view, cells, line, from, exact, signs, never, at_face);
+      if (late) followed.outcome = Outcome::miss;
+      return followed;
+    };
+    if (kernel == Kernel::exact) return go(exact);
+    return go(FloatSigns<ShearProjection, NoCounts>(exact, view.bounds()));
+  });
 }
 
 template <bool kChecked>
-Hit first_hit_in(const FileView& view, const Ray& ray, const Location& start, Kernel kernel) {
-  if (start.state == Location::State::corrupt) return corrupt_hit();
-  if (start.state == Location::State::absent) {
-    Hit hit;
-    hit.outcome = Outcome::absent;
-    return hit;
-  }
+Hit first_hit_in(const FileView& view, const Location& from, const Vec3f& direction, const Interval& interval,
+                 Kernel kernel) {
   Line line;
-  line.origin = to_vec3d(ray.origin);
-  line.direction = to_vec3d(ray.direction);
-  const auto finite = [](const Vec3d& v) {
-    return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+  if (const auto outcome = outcome_before(view, from, direction, interval, line)) return ended(*outcome);
+  Leaving at{};
+  const Followed followed =
+      follow_ray<kChecked>(view, from, line, interval, kernel, [&](const Leaving& leaving) {
+        at = leaving;
+        return true;
+      });
+  Hit hit = ended(followed.outcome);
+  if (hit.outcome == Outcome::hit) hit = hit_on(view, line, at.tet, at.ref, at.ids);
+  if (hit.outcome == Outcome::hit) hit.t = std::clamp(hit.t, std::max(interval.t_min, 0.0), interval.t_max);
+  hit.steps = followed.steps;
+  return hit;
+}
+
+template <bool kChecked>
+Outcome occlusion_in(const FileView& view, const Location& from, const Vec3f& direction,
+                     const Interval& interval) {
+  Line line;
+  if (const auto outcome = outcome_before(view, from, direction, interval, line)) return *outcome;
+  return follow_ray<kChecked>(view, from, line, interval, Kernel::exact, [](const Leaving&) { return true; })
+      .outcome;
+}
+
+template <bool kChecked>
+Outcome occlusion_in(const FileView& view, const Location& from, const Location& to) {
+  for (const Location* place : {&from, &to})
+    if (place->state == Location::State::corrupt) return Outcome::corrupt;
+  if (from.state == Location::State::absent) return Outcome::absent;
+  Line line;
+  line.origin = {from.position, lift_of(view, from)};
+  line.toward = to.position;
+  line.through_point = true;
+  for (std::size_t i = 0; i < 3; ++i) line.direction[i] = to.position[i] - from.position[i];
+  if (!is_finite(line.direction)) return Outcome::miss;
+  const bool same_tet =
+      from.state == to.state && from.state == Location::State::inside && from.cell.tet == to.cell.tet;
+  if (same_tet) return Outcome::miss;  // which is convex
+  if (line.direction == Vec3d{}) {
+    const bool two_sides = from.face != Location::kNoFace && to.face != Location::kNoFace;
+    return two_sides ? Outcome::hit : Outcome::miss;
+  }
+
+  const Index target = to.state == Location::State::inside ? to.cell.tet : kNone;
+  const Place end{to.position, lift_of(view, to)};
+  const auto vertices = view.vertices();
+  bool late = false;
+  const auto reached = [&](const Leaving& leaving) { return leaving.ref == target; };
+  const auto at_face = [&](const Leaving& at) {
+    const auto corner = [&](std::size_t k) { return Corner{vertices[at.ids[k]], at.ids[k]}; };
+    late = behind(corner(0), corner(1), corner(2), end);
+    return true;
   };
-  if (!finite(line.origin) || !finite(line.direction) || line.direction == Vec3d{}) return {};
   return with_cells(view, [&](const auto& cells) {
-    return kernel == Kernel::exact ? trace<kChecked, ExactSigns>(view, cells, ray, line, start)
-                                   : trace<kChecked, FloatSigns>(view, cells, ray, line, start);
+    const Signs signs(line, view.bounds(), vertices, {});
+    const Outcome outcome = follow<kChecked>(view, cells, line, from, signs, signs, reached, at_face).outcome;
+    return late ? Outcome::miss : outcome;
   });
+}
+
+template <bool kChecked>
+Outcome all_hits_in(const FileView& view, const Location& from, const Vec3f& direction,
+                    std::vector<Hit>& hits, const Interval& interval) {
+  Line line;
+  if (const auto outcome = outcome_before(view, from, direction, interval, line)) return *outcome;
+  double least = std::max(interval.t_min, 0.0);
+  bool sound = true;
+  const Followed followed =
+      follow_ray<kChecked>(view, from, line, interval, Kernel::exact, [&](const Leaving& leaving) {
+        Hit hit = hit_on(view, line, leaving.tet, leaving.ref, leaving.ids);
+        sound = hit.outcome == Outcome::hit;
+        if (!sound) return true;
+        hit.t = least = std::clamp(hit.t, least, interval.t_max);  // in order, whatever the roundings
+        hit.steps = leaving.steps;
+        hits.push_back(hit);
+        return false;
+      });
+  return sound ? followed.outcome : Outcome::corrupt;
 }
 
 }  // namespace
 
-Hit first_hit(const FileView& view, const Ray& ray, const Location& start, Kernel kernel) {
-  return first_hit_in<true>(view, ray, start, kernel);
+Hit first_hit(const FileView& view, const Location& from, Vec3f direction, const Interval& interval,
+              Kernel kernel) {
+  return first_hit_in<true>(view, from, direction, interval, kernel);
 }
-Hit first_hit(const TrustedView& view, const Ray& ray, const Location& start, Kernel kernel) {
-  return first_hit_in<false>(view.view(), ray, start, kernel);
+Hit first_hit(const TrustedView& view, const Location& from, Vec3f direction, const Interval& interval,
+              Kernel kernel) {
+  return first_hit_in<false>(view.view(), from, direction, interval, kernel);
+}
+
+Outcome occlusion(const FileView& view, const Location& from, Vec3f direction, const Interval& interval) {
+  return occlusion_in<true>(view, from, direction, interval);
+}
+Outcome occlusion(const TrustedView& view, const Location& from, Vec3f direction, const Interval& interval) {
+  return occlusion_in<false>(view.view(), from, direction, interval);
+}
+
+Outcome occlusion(const FileView& view, const Location& from, const Location& to) {
+  return occlusion_in<true>(view, from, to);
+}
+Outcome occlusion(const TrustedView& view, const Location& from, const Location& to) {
+  return occlusion_in<false>(view.view(), from, to);
+}
+
+Outcome all_hits(const FileView& view, const Location& from, Vec3f direction, std::vector<Hit>& hits,
+                 const Interval& interval) {
+  return all_hits_in<true>(view, from, direction, hits, interval);
+}
+Outcome all_hits(const TrustedView& view, const Location& from, Vec3f direction, std::vector<Hit>& hits,
+                 const Interval& interval) {
+  return all_hits_in<false>(view.view(), from, direction, hits, interval);
 }
 
 }  // namespace tetfmt

@@ -63,6 +63,14 @@ std::span<const std::byte> FileView::section(SectionKind kind) const {
   return entry ? bytes_.subspan(entry->offset, entry->stored_bytes) : std::span<const std::byte>{};
 }
 
+Index FileView::region_of(Index tet) const {
+  const auto after = std::upper_bound(regions_.begin(), regions_.end(), tet,
+                                      [](Index t, const Region& region) { return t < region.first_tet; });
+  if (after == regions_.begin()) return kNone;
+  const Region& region = *(after - 1);
+  return tet - region.first_tet < region.tet_count ? static_cast<Index>(after - 1 - regions_.begin()) : kNone;
+}
+
 std::uint64_t FileView::material_count() const {
   const SectionEntry* const entry = find(kMaterials);
   return entry ? entry->count : 1;

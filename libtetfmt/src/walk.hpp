@@ -8,131 +8,21 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
-#include <span>
 
 #include "cells.hpp"
 #include "predicates.hpp"
+#include "signs.hpp"
 #include "tetfmt/types.hpp"
 #include "tetfmt/view.hpp"
 
 namespace tetfmt::detail {
 
-inline Vec3d to_vec3d(const Vec3f& p) {
-  return {p.x, p.y, p.z};
-}
-
-template <class Real>
-struct Point2 {
-  Real x = 0, y = 0;
-};
-
-/// Shear along the line onto the plane orthogonal to its largest component k (Woop, Benthin and Wald 2013):
-/// x = A_i - A_k d_i/d_k, y = A_j - A_k d_j/d_k with A = point - origin. Then x_a y_b - y_a x_b has the sign
-/// of det[d, a - o, b - o]: i and j are swapped where d_k is negative. The two ratios are at most 1.
-template <class Real>
-class Projection {
- public:
-  explicit Projection(const Line& line) {
-    const Vec3d& d = line.direction;
-    for (std::size_t axis = 1; axis < 3; ++axis)
-      if (std::abs(d[axis]) > std::abs(d[k_])) k_ = axis;
-    i_ = (k_ + 1) % 3;
-    j_ = (k_ + 2) % 3;
-    if (d[k_] < 0) std::swap(i_, j_);
-    origin_i_ = static_cast<Real>(line.origin[i_]);
-    origin_j_ = static_cast<Real>(line.origin[j_]);
-    origin_k_ = static_cast<Real>(line.origin[k_]);
-    slope_i_ = static_cast<Real>(d[i_] / d[k_]);
-    slope_j_ = static_cast<Real>(d[j_] / d[k_]);
-  }
-
-  /// The same projection in another precision.
-  template <class Other>
-  explicit Projection(const Projection<Other>& other)
-      : i_(other.i_),
-        j_(other.j_),
-        k_(other.k_),
-        origin_i_(static_cast<Real>(other.origin_i_)),
-        origin_j_(static_cast<Real>(other.origin_j_)),
-        origin_k_(static_cast<Real>(other.origin_k_)),
-        slope_i_(static_cast<Real>(other.slope_i_)),
-        slope_j_(static_cast<Real>(other.slope_j_)) {}
-
-  Point2<Real> operator()(const Vec3f& point) const {
-    const float* coordinate = &point.x;  // x, y, z are contiguous: Vec3f mirrors the file
-    const Real depth = static_cast<Real>(coordinate[k_]) - origin_k_;
-    return {static_cast<Real>(coordinate[i_]) - origin_i_ - depth * slope_i_,
-            static_cast<Real>(coordinate[j_]) - origin_j_ - depth * slope_j_};
-  }
-
- private:
-  template <class>
-  friend class Projection;
-  std::size_t i_ = 0, j_ = 0, k_ = 0;
-  Real origin_i_ = 0, origin_j_ = 0, origin_k_ = 0, slope_i_ = 0, slope_j_ = 0;
-};
-
-/// Exact signs: double precision, certified by one constant a line, and predicates.hpp for the rest.
-///
-/// With u = 2^-53 and all |A| at most L in each coordinate: A and the slopes carry one rounding each (a slope
-/// of a line through a point, three), their product and the difference one more, so each projected coordinate
-/// is off by at most 10 u L (to first order) and is at most 2 L. A cross product x_a y_b - y_a x_b then is
-/// off by at most 4 * (10 u L) * 2 L for its inputs and 2 * u * 8 L^2 for its own roundings: 96 u L^2; 128
-/// leaves room for all terms of second order.
-class ExactSigns {
- public:
-  ExactSigns(const Line& line, const Bounds& bounds, std::span<const Vec3f> vertices)
-      : project_(line), line_(line), vertices_(vertices) {
-    const Vec3d lower = to_vec3d(bounds.lower), upper = to_vec3d(bounds.upper);
-    double reach = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      reach = std::max({reach, std::abs(lower[i] - line.origin[i]), std::abs(upper[i] - line.origin[i])});
-    threshold_ = 128 * 0x1p-53 * reach * reach;
-  }
-  Point2<double> project(const Vec3f& point) const { return project_(point); }
-  const Projection<double>& projection() const { return project_; }
-  static const ExactSigns& of(const ExactSigns& signs) { return signs; }
-  bool left(const Point2<double>& a, Index a_id, const Point2<double>& b, Index b_id) const {
-    const double cross = a.x * b.y - a.y * b.x;
-    if (cross > threshold_) return true;
-    if (cross < -threshold_) return false;
-    return left_exactly(a_id, b_id);
-  }
-
- private:
-  [[gnu::noinline, gnu::cold]] bool left_exactly(Index a, Index b) const {
-    return passes_left(line_, {vertices_[a], a}, {vertices_[b], b});
-  }
-
-  Projection<double> project_;
-  const Line& line_;
-  std::span<const Vec3f> vertices_;
-  double threshold_ = 0;
-};
-
-/// Signs as single precision gives them. A walk by these can go wrong where the line meets edges and
-/// vertices.
-class FloatSigns {
- public:
-  static FloatSigns of(const ExactSigns& signs) { return FloatSigns(signs.projection()); }
-  Point2<float> project(const Vec3f& point) const { return project_(point); }
-  bool left(const Point2<float>& a, Index, const Point2<float>& b, Index) const {
-    return a.x * b.y - a.y * b.x > 0;
-  }
-
- private:
-  explicit FloatSigns(const Projection<double>& projection) : project_(projection) {}
-  Projection<float> project_;
-};
-
-/// Where a walk is about to go: out of `from` (kNone: out of the void) through the face `ids`, which the line
-/// crosses counter-clockwise, into whatever `ref` names.
+/// Where a walk is about to go: through the face `ids`, which the line crosses counter-clockwise, into
+/// whatever `ref` names; `previous` is the reference back, by which a tetrahedron there knows its entry face.
 struct Passage {
-  Index from = kNone;
+  Ref previous = kHull;
   std::array<Index, 3> ids{};
   Ref ref = kHull;
 };
@@ -145,6 +35,7 @@ struct Leaving {
   Index apex;                  ///< the vertex opposite the entry face (one of ids)
   Index left_behind;           ///< the vertex opposite the exit face
   Ref ref;                     ///< what lies across the exit face
+  std::uint32_t steps;         ///< tetrahedra visited by this walk, this one included
 };
 
 /// What a walk does next: enters `tet`, having come by `previous`; or stops, with kNone.
@@ -200,7 +91,7 @@ std::optional<std::uint32_t> walk(const FileView& view, const Cells& cells, cons
         leave(i0, p0, i1, i2);
       }
     }
-    const Continue on = on_exit(Leaving{tet, previous, {i0, i1, i2}, apex, out, ref});
+    const Continue on = on_exit(Leaving{tet, previous, {i0, i1, i2}, apex, out, ref, steps});
     if (on.tet == kNone) return steps;
     tet = on.tet;
     previous = on.previous;
@@ -240,15 +131,15 @@ inline bool is_positive(const FileView& view, const Cell& cell) {
   const auto corner = [&](std::size_t k) {
     return Corner{view.vertices()[cell.vertices[k]], cell.vertices[k]};
   };
-  return !behind(corner(0), corner(1), corner(2), to_vec3d(corner(3).point));
+  return !behind(corner(0), corner(1), corner(2), Place{to_vec3d(corner(3).point), {}});
 }
 
 /// The face by which the line leaves `cell`, if it passes through it (after perturbation).
-inline std::optional<Passage> exit_of(const FileView& view, const ExactSigns& signs, const Cell& cell,
-                                      bool positive) {
+template <class Signs>
+std::optional<Passage> exit_of(const FileView& view, const Signs& signs, const Cell& cell, bool positive) {
   const auto& v = cell.vertices;
   const auto points = view.vertices();
-  std::array<Point2<double>, 4> p;
+  std::array<typename Signs::Point, 4> p;
   for (std::size_t k = 0; k < 4; ++k) p[k] = signs.project(points[v[k]]);
   unsigned bits = 0;
   for (unsigned a = 0; a < 3; ++a)
@@ -266,17 +157,17 @@ inline std::optional<Passage> exit_of(const FileView& view, const ExactSigns& si
 /// ascending, points into the mesh. Nothing for every other face, and for one whose indices do not exist.
 template <class Cells>
 std::optional<bool> seen_from(const FileView& view, const Cells& cells, const HullFace& face,
-                              const Vec3d& point) {
+                              const Place& place) {
   const auto points = view.vertices();
   const auto& v = face.vertices;
   if (face.tet >= view.tet_count()) return std::nullopt;
   const Index apex = cells.vertex_xor(face.tet) ^ v[0] ^ v[1] ^ v[2];
   if (std::max({apex, v[0], v[1], v[2]}) >= points.size()) return std::nullopt;
-  const auto is_behind = [&](const Vec3d& p) {
+  const auto is_behind = [&](const Place& p) {
     return behind({points[v[0]], v[0]}, {points[v[1]], v[1]}, {points[v[2]], v[2]}, p);
   };
-  const bool inwards = !is_behind(to_vec3d(points[apex]));
-  if (is_behind(point) != inwards) return std::nullopt;
+  const bool inwards = !is_behind({to_vec3d(points[apex]), {}});
+  if (is_behind(place) != inwards) return std::nullopt;
   return inwards;
 }
 

@@ -35,7 +35,7 @@ void use_untrusted(const Bytes& bytes, std::mt19937& random) {
     const Vec3f direction{inside(random) - 0.4f, inside(random) - 0.4f, inside(random) - 0.4f};
     const tetfmt::Location start = tetfmt::locate(*view, point);
     for (const auto kernel : {tetfmt::Kernel::exact, tetfmt::Kernel::float_only}) {
-      const tetfmt::Hit hit = tetfmt::first_hit(*view, {point, direction}, start, kernel);
+      const tetfmt::Hit hit = tetfmt::first_hit(*view, start, direction, {}, kernel);
       ASSERT_LE(hit.steps, cap);
       if (hit.outcome == tetfmt::Outcome::hit) {
         ASSERT_LT(hit.side, view->sides().size());
@@ -195,9 +195,10 @@ TEST(Hostile, CyclesEnd) {
     for (const Vec3f direction : {Vec3f{0, 0, 1}, {0, 0, -1}, {1, 0.25f, 0.5f}, {-1, 2, -0.125f}}) {
       tetfmt::Location start;
       start.state = tetfmt::Location::State::inside;
+      start.position = {0.25, 0.25, -0.5};
       start.cell = {1, {0, 2, 3, 4}, {0, 0, 0, 0}};
       for (const auto kernel : {tetfmt::Kernel::exact, tetfmt::Kernel::float_only}) {
-        const auto hit = tetfmt::first_hit(*view, {{0.25f, 0.25f, -0.5f}, direction}, start, kernel);
+        const auto hit = tetfmt::first_hit(*view, start, direction, {}, kernel);
         EXPECT_EQ(hit.outcome, tetfmt::Outcome::corrupt);
         EXPECT_LE(hit.steps, 3u);
       }
@@ -221,8 +222,24 @@ TEST(Hostile, InventedStarts) {
       start.cell.tet = word();
       for (auto& id : start.cell.vertices) id = word();
       for (auto& ref : start.cell.neighbors) ref = word();
-      const tetfmt::Hit hit = tetfmt::first_hit(*view, {{0.3f, 0.2f, 0.1f}, {1, 2, 3}}, start);
+      start.position = {0.3, 0.2, 0.1};
+      start.positive = random() % 2 == 0;
+      start.face = static_cast<std::uint8_t>(random() % 8);
+      tetfmt::Hit hit = tetfmt::first_hit(*view, start, {1, 2, 3}, {0, i % 2 == 0 ? 1.0 : 1e9});
       ASSERT_LE(hit.steps, view->tet_count() + 1);
+      std::vector<tetfmt::Hit> hits;
+      tetfmt::all_hits(*view, start, {1, 2, 3}, hits);
+      ASSERT_LE(hits.size(), view->tet_count() + 1);
+      const tetfmt::Location target = tetfmt::locate(*view, {2, 2, 2});
+      (void)tetfmt::occlusion(*view, start, target);
+      (void)tetfmt::occlusion(*view, target, start);
+      // A hit that was never made.
+      hit.outcome = tetfmt::Outcome::hit;
+      hit.side = word();
+      hit.side_u = i % 3 == 0 ? std::numeric_limits<double>::quiet_NaN() : 1e300;
+      for (auto& id : hit.face) id = word();
+      (void)tetfmt::first_hit(*view, tetfmt::near_side(*view, hit), {1, 2, 3});
+      (void)tetfmt::first_hit(*view, tetfmt::far_side(*view, hit), {1, 2, 3});
       (void)tetfmt::locate(*view, {0.3f, 0.2f, 0.1f}, &start.cell);
     }
   }

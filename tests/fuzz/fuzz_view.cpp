@@ -58,10 +58,10 @@ void examine(std::span<const std::byte> bytes) {
   for (const tetfmt::Ray& ray : rays_for(view)) {
     const tetfmt::Location start = tetfmt::locate(view, ray.origin);
     for (const auto kernel : {tetfmt::Kernel::exact, tetfmt::Kernel::float_only}) {
-      const tetfmt::Hit hit = tetfmt::first_hit(view, ray, start, kernel);
+      const tetfmt::Hit hit = tetfmt::first_hit(view, start, ray.direction, {}, kernel);
       require(hit.steps <= view.tet_count() + 1);
       if (!trusted) continue;
-      const tetfmt::Hit same = tetfmt::first_hit(*trusted, ray, start, kernel);
+      const tetfmt::Hit same = tetfmt::first_hit(*trusted, start, ray.direction, {}, kernel);
       require(same.outcome == hit.outcome && same.triangle == hit.triangle && same.tet == hit.tet);
       if (kernel == tetfmt::Kernel::exact) require(hit.outcome != tetfmt::Outcome::corrupt);
     }

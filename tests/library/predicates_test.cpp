@@ -33,6 +33,13 @@ Vector perturbed(const Corner& corner) {
   return v;
 }
 
+/// The infinitesimal of a lift is 2^-32: far larger than e, and its square meets no coefficient.
+Vector lifted(const Place& place) {
+  Vector v = vector(place.point);
+  for (std::size_t j = 0; j < 3; ++j) v[j] += Integer(static_cast<int>(place.lift[j])) << (kUnit - 32);
+  return v;
+}
+
 Vector minus(const Vector& a, const Vector& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
@@ -50,6 +57,13 @@ class Predicates : public testing::Test {
     const auto one = [&] { return static_cast<float>(coordinate(random_)) * scale; };
     return {one(), one(), one()};
   }
+  /// None, or along an axis.
+  Vec3d lift() {
+    Vec3d result{};
+    const auto choice = random_() % 8;
+    if (choice < 6) result[choice / 2] = choice % 2 == 0 ? 1 : -1;
+    return result;
+  }
   std::mt19937 random_{7};
 };
 
@@ -58,16 +72,17 @@ TEST_F(Predicates, PassesLeftEqualsTheDeterminantAfterPerturbation) {
   for (int i = 0; i < 3000; ++i) {
     Line line;
     const Vec3f o = point(), d = point();
-    line.origin = {o.x, o.y, o.z};
+    line.origin.point = {o.x, o.y, o.z};
     line.direction = {d.x, d.y, d.z};
     if (line.direction == Vec3d{}) continue;
     const Corner a = {point(), static_cast<Index>(i % 2)}, b = {point(), static_cast<Index>(1 - i % 2)};
-    const Vector origin = vector(line.origin);
+    line.origin.lift = lift();
+    const Vector origin = lifted(line.origin);
     const Integer exact =
         determinant(vector(line.direction), minus(perturbed(a), origin), minus(perturbed(b), origin));
     ASSERT_NE(exact, 0);
-    ASSERT_EQ(passes_left(line, a, b), exact > 0);
-    ASSERT_EQ(passes_left(line, b, a), exact < 0);
+    ASSERT_EQ(passes_left(line, a, b).left, exact > 0);
+    ASSERT_EQ(passes_left(line, b, a).left, exact < 0);
     ties += determinant(vector(line.direction), minus(vector(a.point), origin),
                         minus(vector(b.point), origin)) == 0;
   }
@@ -78,16 +93,16 @@ TEST_F(Predicates, ALineThroughAPointIsTheLineOfThatDirection) {
   for (int i = 0; i < 3000; ++i) {
     const Vec3f o = point(), q = point();
     Line line;
-    line.origin = {o.x, o.y, o.z};
-    for (std::size_t k = 0; k < 3; ++k) line.origin[k] /= 4;
+    line.origin.point = {o.x, o.y, o.z};
+    for (std::size_t k = 0; k < 3; ++k) line.origin.point[k] /= 4;
     line.toward = {q.x, q.y, q.z};
-    for (std::size_t k = 0; k < 3; ++k) line.direction[k] = line.toward[k] - line.origin[k];
+    for (std::size_t k = 0; k < 3; ++k) line.direction[k] = line.toward[k] - line.origin.point[k];
     if (line.direction == Vec3d{}) continue;
     Line through = line;
     through.through_point = true;
     through.direction = {line.direction[0] * (1 + 0x1p-53), line.direction[1], line.direction[2]};
     const Corner a = {point(), 4}, b = {point(), 2};
-    ASSERT_EQ(passes_left(through, a, b), passes_left(line, a, b));
+    ASSERT_EQ(passes_left(through, a, b).left, passes_left(line, a, b).left);
   }
 }
 
@@ -95,14 +110,14 @@ TEST_F(Predicates, ALineThroughAPointIsTheLineOfThatDirection) {
 TEST_F(Predicates, ALineThroughAPointKeepsWhatItsRoundedDirectionLoses) {
   for (const double bit : {0x1p-60, -0x1p-60}) {
     Line line;
-    line.origin = {1, 0, 0};
+    line.origin.point = {1, 0, 0};
     line.toward = {bit, 1, 0};
     line.direction = {-1, 1, 0};
     line.through_point = true;
     for (const Index first : {1u, 9u}) {
       const Corner a = {{0, 1, 0}, first}, b = {{0, 1, 1}, 5};
-      EXPECT_EQ(passes_left(line, a, b), bit > 0);
-      EXPECT_EQ(passes_left(line, b, a), bit < 0);
+      EXPECT_EQ(passes_left(line, a, b).left, bit > 0);
+      EXPECT_EQ(passes_left(line, b, a).left, bit < 0);
     }
   }
 }
@@ -113,13 +128,77 @@ TEST_F(Predicates, BehindEqualsTheDeterminantAfterPerturbation) {
     std::shuffle(id.begin(), id.end(), random_);
     const Corner a = {point(), id[0]}, b = {point(), id[1]}, c = {point(), id[2]};
     const Vec3f q = point();
-    const Vec3d p = {q.x, q.y, q.z};
-    const Integer exact = determinant(minus(perturbed(a), vector(p)), minus(perturbed(b), vector(p)),
-                                      minus(perturbed(c), vector(p)));
+    const Place p = {{q.x, q.y, q.z}, lift()};
+    const Vector moved = lifted(p);
+    const Integer exact =
+        determinant(minus(perturbed(a), moved), minus(perturbed(b), moved), minus(perturbed(c), moved));
     ASSERT_NE(exact, 0);
     ASSERT_EQ(behind(a, b, c, p), exact > 0);
     ASSERT_EQ(behind(b, a, c, p), exact < 0);
   }
+}
+
+/// The point at t of a line: where it is a point of the lattice, and where no double holds it.
+TEST_F(Predicates, BehindAlongALineEqualsTheDeterminantAfterPerturbation) {
+  std::uniform_int_distribution<int> quarters(-8, 8);
+  int ties = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::array<Index, 3> id = {0, 1, 2};
+    std::shuffle(id.begin(), id.end(), random_);
+    const Corner a = {point(), id[0]}, b = {point(), id[1]}, c = {point(), id[2]};
+    const Vec3f o = point(), d = point();
+    Line line;
+    line.origin = {{o.x, o.y, o.z}, lift()};
+    line.direction = {d.x, d.y, d.z};
+    if (line.direction == Vec3d{}) continue;
+    const int t = quarters(random_);
+    Vector at = lifted(line.origin);
+    for (std::size_t k = 0; k < 3; ++k) at[k] += vector(line.direction)[k] * t / 4;
+    const Integer exact =
+        determinant(minus(perturbed(a), at), minus(perturbed(b), at), minus(perturbed(c), at));
+    ASSERT_NE(exact, 0);
+    ASSERT_EQ(behind(a, b, c, line, t / 4.0), exact > 0);
+    const Vector plain_a = vector(a.point), plain_b = vector(b.point), plain_c = vector(c.point);
+    Vector plain = vector(line.origin.point);
+    for (std::size_t k = 0; k < 3; ++k) plain[k] += vector(line.direction)[k] * t / 4;
+    ties += determinant(minus(plain_a, plain), minus(plain_b, plain), minus(plain_c, plain)) == 0;
+  }
+  EXPECT_GT(ties, 300);
+}
+
+TEST_F(Predicates, BehindAlongALineForAnyDoubles) {
+  using Rational = boost::multiprecision::cpp_rational;
+  std::uniform_real_distribution<float> coordinate(-1, 1);
+  std::uniform_int_distribution<int> far(-1070, 1000), near(-30, 3);
+  int decided = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto any = [&] { return std::ldexp(coordinate(random_), near(random_)); };
+    const Corner a = {{any(), any(), any()}, 0}, b = {{any(), any(), any()}, 1},
+                 c = {{any(), any(), any()}, 2};
+    Line line;
+    for (std::size_t k = 0; k < 3; ++k) {
+      line.origin.point[k] = static_cast<double>(any());
+      line.direction[k] = static_cast<double>(any());
+    }
+    // The plane's own t, to the last bit or one beside it; or anything.
+    std::array<Rational, 3> ab, ac, ao, d;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ab[k] = Rational((&b.point.x)[k]) - Rational((&a.point.x)[k]);
+      ac[k] = Rational((&c.point.x)[k]) - Rational((&a.point.x)[k]);
+      ao[k] = Rational((&a.point.x)[k]) - Rational(line.origin.point[k]);
+      d[k] = Rational(line.direction[k]);
+    }
+    const Rational height = determinant(ao, ab, ac), along = determinant(d, ab, ac);
+    if (along == 0) continue;
+    double t = static_cast<double>(Rational(height / along));
+    if (i % 3 == 1) t = std::nextafter(t, i % 2 == 0 ? -9.0 : 9.0);
+    if (i % 3 == 2) t = std::ldexp(1.0, far(random_)) * (i % 2 == 0 ? 1 : -1);
+    const Rational exact = height - Rational(t) * along;
+    if (exact == 0) continue;
+    ASSERT_EQ(behind(a, b, c, line, t), exact > 0) << t;
+    ++decided;
+  }
+  EXPECT_GT(decided, 1500);
 }
 
 TEST_F(Predicates, ScaleDoesNotMatter) {
@@ -129,13 +208,13 @@ TEST_F(Predicates, ScaleDoesNotMatter) {
       const auto big = [&](const Vec3f& v) { return Vec3f{v.x * scale, v.y * scale, v.z * scale}; };
       const auto line = [](const Vec3f& origin, const Vec3f& direction) {
         Line result;
-        result.origin = {origin.x, origin.y, origin.z};
+        result.origin.point = {origin.x, origin.y, origin.z};
         result.direction = {direction.x, direction.y, direction.z};
         return result;
       };
       if (d == Vec3f{}) continue;
-      ASSERT_EQ(passes_left(line(big(o), d), {big(p), 3}, {big(q), 9}),
-                passes_left(line(o, big(d)), {p, 3}, {q, 9}));
+      ASSERT_EQ(passes_left(line(big(o), d), {big(p), 3}, {big(q), 9}).left,
+                passes_left(line(o, big(d)), {p, 3}, {q, 9}).left);
     }
   }
 }
@@ -149,13 +228,13 @@ TEST_F(Predicates, NearTiesAreExact) {
     std::uniform_int_distribution<int> exponent(-(i % 21), i % 21);
     Line line;
     for (std::size_t k = 0; k < 3; ++k) {
-      line.origin[k] = static_cast<double>(std::ldexp(coordinate(random_), exponent(random_)));
+      line.origin.point[k] = static_cast<double>(std::ldexp(coordinate(random_), exponent(random_)));
       line.direction[k] = static_cast<double>(std::ldexp(coordinate(random_), exponent(random_)));
     }
     // Two points next to the line, as near as float32 allows.
     const auto near = [&](double t) {
       Vec3d p;
-      for (std::size_t k = 0; k < 3; ++k) p[k] = line.origin[k] + t * line.direction[k];
+      for (std::size_t k = 0; k < 3; ++k) p[k] = line.origin.point[k] + t * line.direction[k];
       return Vec3f{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
     };
     const Corner a = {near(1), 0}, b = {near(coordinate(random_)), 1};
@@ -163,14 +242,14 @@ TEST_F(Predicates, NearTiesAreExact) {
     std::array<Rational, 3> direction, to_a, to_b;
     for (std::size_t k = 0; k < 3; ++k) {
       direction[k] = line.direction[k];
-      to_a[k] = Rational((&a.point.x)[k]) - Rational(line.origin[k]);
-      to_b[k] = Rational((&b.point.x)[k]) - Rational(line.origin[k]);
+      to_a[k] = Rational((&a.point.x)[k]) - Rational(line.origin.point[k]);
+      to_b[k] = Rational((&b.point.x)[k]) - Rational(line.origin.point[k]);
     }
     const Rational exact = determinant(direction, to_a, to_b);
     if (exact != 0) {
-      ASSERT_EQ(passes_left(line, a, b), exact > 0);
+      ASSERT_EQ(passes_left(line, a, b).left, exact > 0);
     }
-    ASSERT_NE(passes_left(line, a, b), passes_left(line, b, a));
+    ASSERT_NE(passes_left(line, a, b).left, passes_left(line, b, a).left);
     decided += exact != 0;
   }
   EXPECT_GT(decided, 3500);

@@ -39,10 +39,10 @@ struct Scene {
 
 /// Hits the same triangle, point and tetrahedra by all four views, or the test fails.
 Hit hit_by_all(const Scene& scene, const Ray& ray) {
-  const Hit hit = first_hit(scene.view20, ray, locate(scene.view20, ray.origin));
-  const Hit others[] = {first_hit(scene.view16, ray, locate(scene.view16, ray.origin)),
-                        first_hit(scene.trusted20, ray, locate(scene.trusted20, ray.origin)),
-                        first_hit(scene.trusted16, ray, locate(scene.trusted16, ray.origin))};
+  const Hit hit = first_hit(scene.view20, locate(scene.view20, ray.origin), ray.direction);
+  const Hit others[] = {first_hit(scene.view16, locate(scene.view16, ray.origin), ray.direction),
+                        first_hit(scene.trusted20, locate(scene.trusted20, ray.origin), ray.direction),
+                        first_hit(scene.trusted16, locate(scene.trusted16, ray.origin), ray.direction)};
   for (const Hit& other : others) {
     EXPECT_EQ(hit.outcome, other.outcome);
     EXPECT_EQ(hit.triangle, other.triangle);
@@ -251,8 +251,8 @@ TEST(FirstHit, ManyHullFacesAreSearchedAsFewAre) {
   const Location start = locate(many.view20, {-3, 2.75f, 3.375f});
   ASSERT_EQ(start.state, Location::State::outside);
   ASSERT_EQ(start.entrance_count, Location::kManyEntrances);
-  EXPECT_EQ(first_hit(many.view20, {{-3, 2.75f, 3.375f}, {2, 0, 0}}, start).t, 2);
-  EXPECT_EQ(first_hit(many.view20, {{-3, 2.75f, 3.375f}, {-2, 0, 0}}, start).outcome, Outcome::miss);
+  EXPECT_EQ(first_hit(many.view20, start, {2, 0, 0}).t, 2);
+  EXPECT_EQ(first_hit(many.view20, start, {-2, 0, 0}).outcome, Outcome::miss);
 
   tetfmt_test::LatticeOptions empty;
   empty.walls = 0;
@@ -260,9 +260,9 @@ TEST(FirstHit, ManyHullFacesAreSearchedAsFewAre) {
   const Location corner = locate(few.view20, {-3, 0.75f, 0.375f});
   ASSERT_EQ(corner.state, Location::State::outside);
   ASSERT_EQ(corner.entrance_count, 2);
-  EXPECT_EQ(first_hit(few.view20, {{-3, 0.75f, 0.375f}, {2, 0, 0}}, corner).outcome, Outcome::miss);
-  EXPECT_GT(first_hit(few.view20, {{-3, 0.75f, 0.375f}, {2, 0, 0}}, corner).steps, 0u);
-  EXPECT_EQ(first_hit(few.view20, {{-3, 0.75f, 0.375f}, {-2, 0, 0}}, corner).steps, 0u);
+  EXPECT_EQ(first_hit(few.view20, corner, {2, 0, 0}).outcome, Outcome::miss);
+  EXPECT_GT(first_hit(few.view20, corner, {2, 0, 0}).steps, 0u);
+  EXPECT_EQ(first_hit(few.view20, corner, {-2, 0, 0}).steps, 0u);
 }
 
 TEST(Locate, FindsACellThatHoldsThePointFromAnywhere) {
@@ -322,8 +322,8 @@ TEST(FloatKernel, AgreesOnGenericRaysAndAlwaysEnds) {
     const Ray ray = {{place(random), place(random), place(random)},
                      {place(random), place(random), place(random)}};
     const Location start = locate(scene.view20, ray.origin);
-    const Hit exact = first_hit(scene.view20, ray, start),
-              rough = first_hit(scene.view20, ray, start, Kernel::float_only);
+    const Hit exact = first_hit(scene.view20, start, ray.direction),
+              rough = first_hit(scene.view20, start, ray.direction, {}, Kernel::float_only);
     ASSERT_EQ(exact.outcome, rough.outcome);
     ASSERT_EQ(exact.triangle, rough.triangle);
   }
@@ -331,7 +331,8 @@ TEST(FloatKernel, AgreesOnGenericRaysAndAlwaysEnds) {
   for (int i = 0; i < 5000; ++i) {  // hostile to it: only the end is promised
     const auto one = [&] { return static_cast<float>(lattice(random)); };
     const Ray ray = {{one(), one(), one()}, {one() - 3, one() - 3, one() - 3}};
-    ASSERT_LE(first_hit(scene.view16, ray, locate(scene.view16, ray.origin), Kernel::float_only).steps,
+    ASSERT_LE(first_hit(scene.view16, locate(scene.view16, ray.origin), ray.direction, {}, Kernel::float_only)
+                  .steps,
               scene.mesh.tets.size() + 1);
   }
 }

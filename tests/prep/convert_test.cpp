@@ -99,7 +99,7 @@ TEST_F(Convert, OrderInvariants) {
   const auto view = tetfmt::FileView::open(file->bytes());
   const auto middle = tetfmt::locate(*view, {0, 0, 0});
   ASSERT_EQ(middle.state, tetfmt::Location::State::inside);
-  const auto hit = tetfmt::first_hit(*view, {{0, 0, 0}, {1, 0.1f, 0.2f}}, middle);
+  const auto hit = tetfmt::first_hit(*view, middle, {1, 0.1f, 0.2f});
   EXPECT_EQ(hit.outcome, tetfmt::Outcome::hit);
   EXPECT_TRUE(hit.back);
   // Neighbours in the file are neighbours in space: far less than the 2 / 3 of random order.
@@ -326,8 +326,8 @@ TEST_F(Convert, OutsideRaysNeedOnlyTheOutside) {
         std::hypot(from.x - 2.5f, from.y - 0.25f, from.z - 0.125f) < 1)
       continue;
     const tetfmt::Ray ray{from, {to.x - from.x, to.y - from.y, to.z - from.z}};
-    const auto a = tetfmt::first_hit(*all, ray, tetfmt::locate(*all, from));
-    const auto b = tetfmt::first_hit(*some, ray, tetfmt::locate(*some, from));
+    const auto a = tetfmt::first_hit(*all, tetfmt::locate(*all, from), ray.direction);
+    const auto b = tetfmt::first_hit(*some, tetfmt::locate(*some, from), ray.direction);
     ASSERT_EQ(a.outcome, b.outcome);
     hits += a.outcome == tetfmt::Outcome::hit;
     if (a.outcome != tetfmt::Outcome::hit) continue;

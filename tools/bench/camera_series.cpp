@@ -37,13 +37,13 @@ class OurTracer : public Tracer {
   void trace(std::span<const Ray> rays, Answers& answers) const override {
     const tetfmt::Location start = tetfmt::locate(view_, rays.front().origin);
     for (std::size_t i = 0; i < rays.size(); ++i)
-      answers[i] = tetfmt::first_hit(view_, rays[i], start, kernel_).triangle;
+      answers[i] = tetfmt::first_hit(view_, start, rays[i].direction, {}, kernel_).triangle;
   }
 
   double mean_steps(std::span<const Ray> rays) const {
     const tetfmt::Location start = tetfmt::locate(view_, rays.front().origin);
     double steps = 0;
-    for (const Ray& ray : rays) steps += tetfmt::first_hit(view_, ray, start, kernel_).steps;
+    for (const Ray& ray : rays) steps += tetfmt::first_hit(view_, start, ray.direction, {}, kernel_).steps;
     return steps / static_cast<double>(rays.size());
   }
 
@@ -106,7 +106,7 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
   // Touching: just in front of what the camera's axis meets.
   const Vec3f far_eye = {middle.x, middle.y, middle.z + 16.5f * unit};
   const Ray axis = {far_eye, {0, 0, -1}};
-  const tetfmt::Hit front = tetfmt::first_hit(view, axis, tetfmt::locate(view, far_eye));
+  const tetfmt::Hit front = tetfmt::first_hit(view, tetfmt::locate(view, far_eye), axis.direction);
   std::vector<float> distances = {16.5f, 14, 11.5f, 9, 6.5f, 4};
   if (front.outcome == tetfmt::Outcome::hit)
     distances.push_back(16.5f - static_cast<float>(front.t) / unit + 0.01f);

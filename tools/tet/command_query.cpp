@@ -99,10 +99,10 @@ Block answer(const QueryOptions& options, const tetfmt::FileView& view, const Ra
       if (location.state == tetfmt::Location::State::inside) near = location.cell;
     }
     tetfmt::Hit& hit = hits[i - begin];
-    hit = tetfmt::first_hit(view, ray, location, options.kernel);
+    hit = tetfmt::first_hit(view, location, ray.direction, {}, options.kernel);
     // Float signs can go in circles on a sound mesh: only the exact walk may blame the file.
     if (hit.outcome == tetfmt::Outcome::corrupt && options.kernel != tetfmt::Kernel::exact &&
-        tetfmt::first_hit(view, ray, location).outcome != tetfmt::Outcome::corrupt) {
+        tetfmt::first_hit(view, location, ray.direction).outcome != tetfmt::Outcome::corrupt) {
       hit = {};
       block.lost.add(i);
     }

@@ -50,7 +50,7 @@ bool trace_pixel(Picture& picture, int x, int y, RenderStatistics& statistics) {
       const tetfmt::Vec3f direction =
           rounded(picture.camera.direction((x + (i + 0.5) / picture.grid.columns) / picture.options.width,
                                            (y + (j + 0.5) / picture.grid.rows) / picture.options.height));
-      const tetfmt::Hit hit = tetfmt::first_hit(picture.view, {picture.eye, direction}, picture.start);
+      const tetfmt::Hit hit = tetfmt::first_hit(picture.view, picture.start, direction);
       if (hit.outcome == tetfmt::Outcome::corrupt) return false;
       ++statistics.rays;
       statistics.hits += hit.outcome == tetfmt::Outcome::hit;

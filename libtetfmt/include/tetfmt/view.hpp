@@ -46,6 +46,9 @@ class FileView {
   std::span<const Index> origins() const { return origins_; }
   /// Ascending in the tets that they hold; empty if the file does not tell.
   std::span<const Region> regions() const { return regions_; }
+  /// The position in regions() of the one that holds `tet`; kNone if none does, or the file does not tell.
+  /// O(log regions).
+  Index region_of(Index tet) const;
   /// True if tetrahedra were left out, so that some sides have none.
   bool partial() const { return (header().flags & kPartial) != 0; }
   /// A section's entry; null if the file has none of this kind. O(sections).

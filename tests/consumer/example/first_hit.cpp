@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
 
   const tetfmt::Ray ray{{1, 1, 3}, {0, 0, -0.5F}};
   const tetfmt::Location start = tetfmt::locate(*view, ray.origin);
-  const tetfmt::Hit hit = tetfmt::first_hit(*view, ray, start);
+  const tetfmt::Hit hit = tetfmt::first_hit(*view, start, ray.direction);
   if (hit.outcome == tetfmt::Outcome::hit) {
     std::printf("triangle %u at t = %g, seen from its %s\n", hit.triangle, hit.t,
                 hit.back ? "back" : "front");

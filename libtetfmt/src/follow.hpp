@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// One line from where it starts to where it ends, from constrained face to constrained face: what first hits,
+// occlusion and lists of hits have in common.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "tetfmt/traverse.hpp"
+#include "walk.hpp"
+
+namespace tetfmt::detail {
+
+/// False if the line certainly misses the box. Errs on the side of true: the hull's faces decide.
+bool may_meet(const Bounds& bounds, const Line& line);
+
+/// The line from a place. False if it has none: no direction, or something is not finite.
+bool make_line(const FileView& view, const Location& from, const Vec3f& direction, Line& line);
+
+/// An infinitesimal from the face that `from` is on into its cell; zero if it is on none.
+Vec3d lift_of(const FileView& view, const Location& from);
+
+/// What a constrained face says of a hit. `tet` is the tetrahedron that the ray came through, `ref` what it
+/// holds across the face (`ids`). Outcome::corrupt if an index does not exist.
+Hit hit_on(const FileView& view, const Line& line, Index tet, Ref ref, const std::array<Index, 3>& ids);
+
+inline bool is_finite(const Vec3d& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+/// The hull face by which the line comes in from outside and ahead of its origin: of the faces that see the
+/// origin, the one that the line crosses inwards.
+template <class Cells, class Signs>
+std::optional<Passage> enter_hull(const FileView& view, const Cells& cells, const Signs& signs,
+                                  const Line& line, const Location& start) {
+  if (!may_meet(view.bounds(), line)) return std::nullopt;
+  const auto points = view.vertices();
+  const auto enter = [&](const HullFace& face, bool inwards) -> std::optional<Passage> {
+    std::array<Index, 3> v = face.vertices;
+    if (face.tet >= view.tet_count() || std::max({v[0], v[1], v[2]}) >= points.size()) return std::nullopt;
+    const std::array<typename Signs::Point, 3> p = {signs.project(points[v[0]]), signs.project(points[v[1]]),
+                                                    signs.project(points[v[2]])};
+    // Counter-clockwise about the line, a face's normal points onwards.
+    if (signs.left(p[0], v[0], p[1], v[1]) != inwards) return std::nullopt;
+    if (signs.left(p[1], v[1], p[2], v[2]) != inwards) return std::nullopt;
+    if (signs.left(p[2], v[2], p[0], v[0]) != inwards) return std::nullopt;
+    if (!inwards) std::swap(v[1], v[2]);
+    return Passage{kHull, v, face.tet};
+  };
+  if (start.entrance_count <= start.entrances.size()) {
+    for (std::size_t i = 0; i < start.entrance_count; ++i) {
+      const Entrance entrance = unpack_entrance(start.entrances[i]);
+      if (entrance.face >= view.hull().size()) continue;
+      if (const auto passage = enter(view.hull()[entrance.face], entrance.inwards)) return passage;
+    }
+    return std::nullopt;
+  }
+  for (const HullFace& face : view.hull()) {
+    const std::optional<bool> inwards = seen_from(view, cells, face, line.origin);
+    if (!inwards) continue;
+    if (const auto passage = enter(face, *inwards)) return passage;
+  }
+  return std::nullopt;
+}
+
+/// The face of a start on a face, if double precision can tell that the line goes from it into the cell. (If
+/// not, the line may run along the face, or out of the cell by it, which exit_of finds as well.)
+inline std::optional<Passage> leave_face(const FileView& view, const Line& line, const Location& start) {
+  auto f = kOutwardFaces[start.face];
+  if (start.positive) std::swap(f[1], f[2]);  // turned inwards
+  const auto& v = start.cell.vertices;
+  const auto at = [&](std::size_t k) { return to_vec3d(view.vertices()[v[f[k]]]); };
+  const Vec3d a = at(0), b = at(1), c = at(2);
+  const auto minus = [](const Vec3d& p, const Vec3d& q) {
+    return Vec3d{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+  };
+  if (certified_sign(line.direction, minus(b, a), minus(c, a)) <= 0) return std::nullopt;
+  return Passage{start.cell.neighbors[start.face], {v[f[0]], v[f[1]], v[f[2]]}, start.cell.tet};
+}
+
+struct Followed {
+  Outcome outcome = Outcome::miss;
+  std::uint32_t steps = 0;  ///< tetrahedra visited
+};
+
+/// Follows the line from `start` (not absent, not corrupt) to its end:
+///   goal(leaving)     before each exit: true ends the walk, Outcome::miss
+///   at_face(leaving)  at each constrained face: true ends the walk, Outcome::hit; false passes through
+/// (of the start's own tetrahedron, `leaving` names no apex). Starts on a face may go out by it: then it is
+/// met. Also ends at the hull (miss), in space that the file leaves out (absent), and where the bytes are no
+/// mesh (corrupt). `first` finds the first face, exactly; only then does a walk by float signs begin inside
+/// the line's path. `signs` steer the rest.
+template <bool kChecked, class Cells, class First, class Signs, class Goal, class AtFace>
+Followed follow(const FileView& view, const Cells& cells, const Line& line, const Location& start,
+                const First& first, const Signs& signs, Goal&& goal, AtFace&& at_face) {
+  std::optional<Passage> passage;
+  std::uint32_t before = 0;  // tetrahedra visited before the walk
+  if (start.state == Location::State::inside) {
+    if (!in_range(view, start.cell)) return {Outcome::corrupt};
+    if (start.face < start.cell.neighbors.size()) passage = leave_face(view, line, start);
+    if (!passage) {
+      passage = exit_of(view, first, start.cell, start.positive);
+      before = 1;
+    }
+    if (!passage) return {Outcome::corrupt};  // the cell does not hold the origin
+  } else {
+    passage = enter_hull(view, cells, first, line, start);
+    if (!passage) return {};
+  }
+
+  Outcome outcome = Outcome::miss;
+  const auto sides = view.sides();
+  const auto go_on = [&](const Leaving& leaving) -> Continue {
+    if (goal(leaving)) return {};
+    if (is_tet(leaving.ref)) return {leaving.ref, leaving.tet};
+    if (leaving.ref == kHull) return {};
+    if (at_face(leaving)) {
+      outcome = Outcome::hit;
+      return {};
+    }
+    const Index beyond = twin(side_index(leaving.ref));
+    if (beyond >= sides.size()) {
+      outcome = Outcome::corrupt;
+    } else if (sides[beyond].tet == kNone) {
+      outcome = Outcome::absent;
+    } else {
+      return {sides[beyond].tet, side_ref(beyond)};
+    }
+    return {};
+  };
+  Continue next{passage->ref, passage->previous};
+  if (before == 1) {
+    next =
+        go_on(Leaving{start.cell.tet, passage->previous, passage->ids, kNone, kNone, passage->ref, before});
+    if (next.tet == kNone) return {outcome, before};
+  }
+  const auto steps =
+      walk<kChecked>(view, cells, signs, next.tet, next.previous, passage->ids, [&](Leaving leaving) {
+        leaving.steps += before;
+        return go_on(leaving);
+      });
+  if (!steps) return {Outcome::corrupt};
+  return {outcome, before + *steps};
+}
+
+}  // namespace tetfmt::detail
