@@ -42,38 +42,26 @@ Vec3d lift_of(const FileView& view, const Location& from) {
   return lift;
 }
 
-bool make_line(const FileView& view, const Location& from, const Vec3f& direction, Line& line) {
-  line.origin = {from.position, lift_of(view, from)};
-  line.direction = to_vec3d(direction);
-  return is_finite(line.origin.point) && is_finite(line.direction) && line.direction != Vec3d{};
-}
-
-Hit hit_on(const FileView& view, const Line& line, Index tet, Ref ref, const std::array<Index, 3>& ids) {
-  Hit corrupt;
-  corrupt.outcome = Outcome::corrupt;
-  Hit hit;
-  hit.side = side_index(ref);
-  if (hit.side >= view.sides().size() || twin(hit.side) >= view.sides().size()) return corrupt;
-  const Index triangle = view.sides()[hit.side].triangle;
-  if (triangle >= view.triangles().size()) return corrupt;
-  const auto& corner = view.triangles()[triangle].vertices;
+void describe_hit(const FileView& view, const Line& line, const Leaving& leaving, Hit& hit) {
+  hit.outcome = Outcome::corrupt;
+  const auto sides = view.sides();
+  const Index side = side_index(leaving.ref);
+  if (side >= sides.size() || twin(side) >= sides.size()) return;
+  const Index piece = sides[side].triangle;
+  if (piece >= view.triangles().size()) return;
+  const auto& corner = view.triangles()[piece].vertices;
   const auto points = view.vertices();
-  if (std::max({corner[0], corner[1], corner[2]}) >= points.size()) return corrupt;
+  if (std::max({corner[0], corner[1], corner[2]}) >= points.size()) return;
 
-  hit.outcome = Outcome::hit;
-  hit.back = hit.side % 2 == 1;
-  hit.tet = tet;
-  hit.neighbor = view.sides()[twin(hit.side)].tet;
-  hit.face = ids;
   TrianglePoint at =
       intersect(line.origin.point, line.direction, points[corner[0]], points[corner[1]], points[corner[2]]);
   hit.side_u = at.u;
   hit.side_v = at.v;
-  hit.triangle = triangle;
+  hit.triangle = piece;
   if (!view.origins().empty()) {
-    if (triangle >= view.origins().size()) return corrupt;
-    hit.triangle = view.origins()[triangle];
-    if (hit.triangle >= view.input_triangles().size()) return corrupt;
+    if (piece >= view.origins().size()) return;
+    hit.triangle = view.origins()[piece];
+    if (hit.triangle >= view.input_triangles().size()) return;
     const auto& whole = view.input_triangles()[hit.triangle].vertices;
     if (std::max({whole[0], whole[1], whole[2]}) >= points.size()) {
       at.u = at.v = std::numeric_limits<double>::quiet_NaN();  // its corners are not all in the file
@@ -82,10 +70,15 @@ Hit hit_on(const FileView& view, const Line& line, Index tet, Ref ref, const std
                       {points[whole[0]], points[whole[1]], points[whole[2]]});
     }
   }
+  hit.outcome = Outcome::hit;
+  hit.back = side % 2 == 1;
   hit.t = at.t;
   hit.u = at.u;
   hit.v = at.v;
-  return hit;
+  hit.side = side;
+  hit.tet = leaving.tet;
+  hit.neighbor = sides[twin(side)].tet;
+  hit.face = leaving.ids;
 }
 
 }  // namespace tetfmt::detail

@@ -14,18 +14,25 @@ namespace tetfmt::detail {
 /// False if the line certainly misses the box. Errs on the side of true: the hull's faces decide.
 bool may_meet(const Bounds& bounds, const Line& line);
 
-/// The line from a place. False if it has none: no direction, or something is not finite.
-bool make_line(const FileView& view, const Location& from, const Vec3f& direction, Line& line);
-
 /// An infinitesimal from the face that `from` is on into its cell; zero if it is on none.
 Vec3d lift_of(const FileView& view, const Location& from);
 
-/// What a constrained face says of a hit. `tet` is the tetrahedron that the ray came through, `ref` what it
-/// holds across the face (`ids`). Outcome::corrupt if an index does not exist.
-Hit hit_on(const FileView& view, const Line& line, Index tet, Ref ref, const std::array<Index, 3>& ids);
+/// Fills in what a constrained face says of a hit, all but `steps`. Outcome::corrupt if an index does not
+/// exist.
+void describe_hit(const FileView& view, const Line& line, const Leaving& leaving, Hit& hit);
 
 inline bool is_finite(const Vec3d& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+inline Line line_from(const FileView& view, const Location& from, const Vec3f& direction) {
+  const Vec3d lift = from.face == Location::kNoFace ? Vec3d{} : lift_of(view, from);
+  return {{from.position, lift}, to_vec3d(direction), {}, false};
+}
+
+/// False if the line has no place or no direction.
+inline bool can_be_followed(const Line& line) {
+  return is_finite(line.origin.point) && is_finite(line.direction) && line.direction != Vec3d{};
 }
 
 /// The hull face by which the line comes in from outside and ahead of its origin: of the faces that see the
@@ -45,7 +52,7 @@ std::optional<Passage> enter_hull(const FileView& view, const Cells& cells, cons
     if (signs.left(p[1], v[1], p[2], v[2]) != inwards) return std::nullopt;
     if (signs.left(p[2], v[2], p[0], v[0]) != inwards) return std::nullopt;
     if (!inwards) std::swap(v[1], v[2]);
-    return Passage{kHull, v, face.tet};
+    return Passage{kHull, v, face.tet, 0};
   };
   if (start.entrance_count <= start.entrances.size()) {
     for (std::size_t i = 0; i < start.entrance_count; ++i) {
@@ -75,7 +82,17 @@ inline std::optional<Passage> leave_face(const FileView& view, const Line& line,
     return Vec3d{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
   };
   if (certified_sign(line.direction, minus(b, a), minus(c, a)) <= 0) return std::nullopt;
-  return Passage{start.cell.neighbors[start.face], {v[f[0]], v[f[1]], v[f[2]]}, start.cell.tet};
+  return Passage{start.cell.neighbors[start.face], {v[f[0]], v[f[1]], v[f[2]]}, start.cell.tet, 0};
+}
+
+/// The first face that the line goes through.
+template <class Cells, class Signs>
+std::optional<Passage> first_passage(const FileView& view, const Cells& cells, const Signs& signs,
+                                     const Line& line, const Location& start) {
+  if (start.state != Location::State::inside) return enter_hull(view, cells, signs, line, start);
+  if (start.face < kOutwardFaces.size())
+    if (const auto passage = leave_face(view, line, start)) return passage;
+  return exit_of(view, signs, start.cell, start.positive);
 }
 
 struct Followed {
@@ -93,20 +110,11 @@ struct Followed {
 template <bool kChecked, class Cells, class First, class Signs, class Goal, class AtFace>
 Followed follow(const FileView& view, const Cells& cells, const Line& line, const Location& start,
                 const First& first, const Signs& signs, Goal&& goal, AtFace&& at_face) {
-  std::optional<Passage> passage;
-  std::uint32_t before = 0;  // tetrahedra visited before the walk
-  if (start.state == Location::State::inside) {
-    if (!in_range(view, start.cell)) return {Outcome::corrupt};
-    if (start.face < start.cell.neighbors.size()) passage = leave_face(view, line, start);
-    if (!passage) {
-      passage = exit_of(view, first, start.cell, start.positive);
-      before = 1;
-    }
-    if (!passage) return {Outcome::corrupt};  // the cell does not hold the origin
-  } else {
-    passage = enter_hull(view, cells, first, line, start);
-    if (!passage) return {};
-  }
+  const bool inside = start.state == Location::State::inside;
+  if (inside && !in_range(view, start.cell)) return {Outcome::corrupt};
+  const std::optional<Passage> passage = first_passage(view, cells, first, line, start);
+  if (!passage)
+    return {inside ? Outcome::corrupt : Outcome::miss};  // corrupt: the cell does not hold the origin
 
   Outcome outcome = Outcome::miss;
   const auto sides = view.sides();
@@ -129,18 +137,17 @@ Followed follow(const FileView& view, const Cells& cells, const Line& line, cons
     return {};
   };
   Continue next{passage->ref, passage->previous};
-  if (before == 1) {
-    next =
-        go_on(Leaving{start.cell.tet, passage->previous, passage->ids, kNone, kNone, passage->ref, before});
-    if (next.tet == kNone) return {outcome, before};
+  if (passage->steps == 1) {
+    next = go_on(Leaving{start.cell.tet, passage->previous, passage->ids, kNone, kNone, passage->ref, 1});
+    if (next.tet == kNone) return {outcome, 1};
   }
   const auto steps =
       walk<kChecked>(view, cells, signs, next.tet, next.previous, passage->ids, [&](Leaving leaving) {
-        leaving.steps += before;
+        leaving.steps += passage->steps;
         return go_on(leaving);
       });
   if (!steps) return {Outcome::corrupt};
-  return {outcome, before + *steps};
+  return {outcome, passage->steps + *steps};
 }
 
 }  // namespace tetfmt::detail

@@ -33,21 +33,30 @@ struct Sum {
   }
 };
 
-/// A product and its rest, exactly (Veltkamp and Dekker; factors below 2^996). Not by std::fma, which is a
-/// slow function where the compiler may not assume the instruction.
-Sum product(double a, double b) {
-  constexpr double kSplit = 0x1p27 + 1;
-  const double a_shifted = kSplit * a, b_shifted = kSplit * b;
-  const double a_high = a_shifted - (a_shifted - a), b_high = b_shifted - (b_shifted - b);
-  const double a_low = a - a_high, b_low = b - b_high;
-  const double value = a * b;
-  return {value, a_low * b_low - (((value - a_high * b_high) - a_low * b_high) - a_high * b_low)};
-}
+/// A product and its rest, exactly, in two ways that give the same: by the instruction for it, and by halves
+/// (Veltkamp and Dekker; factors below 2^996) for processors without.
+struct FusedProduct {
+  [[gnu::always_inline]] static Sum of(double a, double b) {
+    const double value = a * b;
+    return {value, __builtin_fma(a, b, -value)};
+  }
+};
+struct SplitProduct {
+  [[gnu::always_inline]] static Sum of(double a, double b) {
+    constexpr double kSplit = 0x1p27 + 1;
+    const double a_shifted = kSplit * a, b_shifted = kSplit * b;
+    const double a_high = a_shifted - (a_shifted - a), b_high = b_shifted - (b_shifted - b);
+    const double a_low = a - a_high, b_low = b - b_high;
+    const double value = a * b;
+    return {value, a_low * b_low - (((value - a_high * b_high) - a_low * b_high) - a_high * b_low)};
+  }
+};
 
 /// a . (b + rest) as if in twice the precision, rounded once (Ogita, Rump and Oishi 2005, Dot2): the error is
 /// one rounding of the result, and some 2^-102 of the sum of the products' sizes.
-double accurate_dot(const Vec& a, const Vec& b, const Vec& rest) {
-  const Sum x = product(a[0], b[0]), y = product(a[1], b[1]), z = product(a[2], b[2]);
+template <class Product>
+[[gnu::always_inline]] inline double accurate_dot(const Vec& a, const Vec& b, const Vec& rest) {
+  const Sum x = Product::of(a[0], b[0]), y = Product::of(a[1], b[1]), z = Product::of(a[2], b[2]);
   const Sum xy = Sum::of(x.value, y.value), xyz = Sum::of(xy.value, z.value);
   return xyz.value + ((x.rest + y.rest + z.rest) + (xy.rest + xyz.rest) + dot(a, rest));
 }
@@ -110,7 +119,11 @@ TrianglePoint from_piece(const TrianglePoint& at, const std::array<Vec3f, 3>& pi
   return point;
 }
 
-TrianglePoint intersect(const Vec3d& o, const Vec3d& d, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+namespace {
+
+template <class Product>
+[[gnu::always_inline]] inline TrianglePoint intersect_by(const Vec3d& o, const Vec3d& d, const Vec3f& a,
+                                                         const Vec3f& b, const Vec3f& c) {
   Vec to_a, rest;
   for (std::size_t k = 0; k < 3; ++k) {
     const Sum difference = Sum::of(vec(a)[k], -o[k]);
@@ -119,7 +132,7 @@ TrianglePoint intersect(const Vec3d& o, const Vec3d& d, const Vec3f& a, const Ve
   }
   const Vec ab = vec(b) - vec(a), ac = vec(c) - vec(a);
   const Vec n = cross(ab, ac);
-  const double along = accurate_dot(n, d, {});
+  const double along = accurate_dot<Product>(n, d, {});
   TrianglePoint point;
   // An angle of less than a fifth of a second of arc. (Squares of products of float32 values neither overflow
   // nor underflow in double precision.)
@@ -128,7 +141,7 @@ TrianglePoint intersect(const Vec3d& o, const Vec3d& d, const Vec3f& a, const Ve
   } else {
     // Moeller and Trumbore (1997), arranged so that t comes from the normal, which is exact.
     const Vec moment = cross(d, to_a);
-    point.t = accurate_dot(n, to_a, rest) / along;
+    point.t = accurate_dot<Product>(n, to_a, rest) / along;
     point.u = -dot(moment, ac) / along;
     point.v = dot(moment, ab) / along;
   }
@@ -137,5 +150,37 @@ TrianglePoint intersect(const Vec3d& o, const Vec3d& d, const Vec3f& a, const Ve
   point.v = std::clamp(point.v, 0.0, 1.0 - point.u);
   return point;
 }
+
+}  // namespace
+
+TrianglePoint intersect_split(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
+                              const Vec3f& c) {
+  return intersect_by<SplitProduct>(origin, direction, a, b, c);
+}
+
+#if defined(__x86_64__)
+namespace {
+[[gnu::target("fma")]] TrianglePoint intersect_fused(const Vec3d& origin, const Vec3d& direction,
+                                                     const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  return intersect_by<FusedProduct>(origin, direction, a, b, c);
+}
+}  // namespace
+
+TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
+                        const Vec3f& c) {
+  static const bool fused = __builtin_cpu_supports("fma");
+  return fused ? intersect_fused(origin, direction, a, b, c) : intersect_split(origin, direction, a, b, c);
+}
+#elif defined(__FP_FAST_FMA)
+TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
+                        const Vec3f& c) {
+  return intersect_by<FusedProduct>(origin, direction, a, b, c);
+}
+#else
+TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
+                        const Vec3f& c) {
+  return intersect_split(origin, direction, a, b, c);
+}
+#endif
 
 }  // namespace tetfmt::detail

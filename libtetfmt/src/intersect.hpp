@@ -22,6 +22,10 @@ struct TrianglePoint {
 TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c);
 
+/// The same to the last bit without the instruction for a fused product and sum, for processors that lack it.
+TrianglePoint intersect_split(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
+                              const Vec3f& c);
+
 /// The same point with the weights of the triangle that `piece` was cut from. The piece's corners may be off
 /// that triangle by a rounding to the grid; the point goes straight onto it, along its main axis.
 TrianglePoint from_piece(const TrianglePoint& at, const std::array<Vec3f, 3>& piece,

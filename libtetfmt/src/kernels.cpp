@@ -21,16 +21,14 @@ Hit walk_variant(const Query& query, Arithmetic arithmetic, const Counts& counts
   return with_cells(view, [&](const auto& cells) {
     const ExactSigns<Projection, Counts> exact(line, view.bounds(), view.vertices(), counts);
     const auto go = [&](const auto& signs) {
-      Leaving at{};
+      Hit hit;
       const Followed followed = follow<false>(
           view, cells, line, from, exact, signs, [](const Leaving&) { return false; },
           [&](const Leaving& leaving) {
-            at = leaving;
+            describe_hit(view, line, leaving, hit);
             return true;
           });
-      Hit hit;
-      hit.outcome = followed.outcome;
-      if (hit.outcome == Outcome::hit) hit = hit_on(view, line, at.tet, at.ref, at.ids);
+      if (followed.outcome != Outcome::hit) hit.outcome = followed.outcome;
       hit.steps = followed.steps;
       return hit;
     };
@@ -83,10 +81,11 @@ Hit dispatch(const Query& query, const Variant& variant, const Counts& counts) {
 Hit first_hit(const TrustedView& view, const Location& from, Vec3f direction, const Variant& variant,
               SignCounts* counts) {
   Hit hit;
-  Line line;
   if (from.state == Location::State::corrupt) hit.outcome = Outcome::corrupt;
   if (from.state == Location::State::absent) hit.outcome = Outcome::absent;
-  if (hit.outcome != Outcome::miss || !make_line(view.view(), from, direction, line)) return hit;
+  if (hit.outcome != Outcome::miss) return hit;
+  const Line line = line_from(view.view(), from, direction);
+  if (!can_be_followed(line)) return hit;
   const Query query{view.view(), from, line};
   return counts ? dispatch(query, variant, Counting(*counts)) : dispatch(query, variant, NoCounts{});
 }

@@ -133,7 +133,8 @@ class FloatFirstSigns {
   FloatFirstSigns(const Exact& exact, const Bounds& bounds) : exact_(exact), project_(exact.projection()) {
     const Vec3d& o = exact.line().origin.point;
     const double from_zero = std::max({std::abs(o[0]), std::abs(o[1]), std::abs(o[2])});
-    const double error = 0x1p-24 * (Projection<double>::kErrors / 4 * reach(exact.line(), bounds) + 8 * from_zero);
+    const double error =
+        0x1p-24 * (Projection<double>::kErrors / 4 * reach(exact.line(), bounds) + 8 * from_zero);
     error_ = static_cast<float>(error);
     square_ =
         static_cast<float>(4 * error * error) + std::numeric_limits<float>::min();  // products may underflow

@@ -57,20 +57,13 @@ class Bounded {
   Interval interval_;
 };
 
-Hit ended(Outcome outcome) {
-  Hit hit;
-  hit.outcome = outcome;
-  return hit;
-}
-
-/// What there is to say of a ray before any step: nothing if it is to be followed along `line`.
-std::optional<Outcome> outcome_before(const FileView& view, const Location& from, const Vec3f& direction,
-                                      const Interval& interval, Line& line) {
+/// What there is to say of a ray before any step; nothing if it is to be followed.
+std::optional<Outcome> outcome_before(const Location& from, const Line& line, const Interval& interval) {
   if (from.state == Location::State::corrupt) return Outcome::corrupt;
   if (from.state == Location::State::absent) return Outcome::absent;
-  if (!make_line(view, from, direction, line)) return Outcome::miss;
-  if (!(interval.t_max >= std::max(interval.t_min, 0.0)) || !(interval.t_min < Interval{}.t_max))
-    return Outcome::miss;
+  const bool empty =
+      !(interval.t_max >= std::max(interval.t_min, 0.0)) || !(interval.t_min < Interval{}.t_max);
+  if (empty || !can_be_followed(line)) return Outcome::miss;
   return std::nullopt;
 }
 
@@ -104,16 +97,18 @@ Followed follow_ray(const FileView& view, const Location& from, const Line& line
 template <bool kChecked>
 Hit first_hit_in(const FileView& view, const Location& from, const Vec3f& direction, const Interval& interval,
                  Kernel kernel) {
-  Line line;
-  if (const auto outcome = outcome_before(view, from, direction, interval, line)) return ended(*outcome);
-  Leaving at{};
+  Hit hit;  // written in place all the way: copies of it cost as much as some steps
+  const Line line = line_from(view, from, direction);
+  if (const auto outcome = outcome_before(from, line, interval)) {
+    hit.outcome = *outcome;
+    return hit;
+  }
   const Followed followed =
       follow_ray<kChecked>(view, from, line, interval, kernel, [&](const Leaving& leaving) {
-        at = leaving;
+        describe_hit(view, line, leaving, hit);
         return true;
       });
-  Hit hit = ended(followed.outcome);
-  if (hit.outcome == Outcome::hit) hit = hit_on(view, line, at.tet, at.ref, at.ids);
+  if (followed.outcome != Outcome::hit) hit.outcome = followed.outcome;
   if (hit.outcome == Outcome::hit) hit.t = std::clamp(hit.t, std::max(interval.t_min, 0.0), interval.t_max);
   hit.steps = followed.steps;
   return hit;
@@ -122,8 +117,8 @@ Hit first_hit_in(const FileView& view, const Location& from, const Vec3f& direct
 template <bool kChecked>
 Outcome occlusion_in(const FileView& view, const Location& from, const Vec3f& direction,
                      const Interval& interval) {
-  Line line;
-  if (const auto outcome = outcome_before(view, from, direction, interval, line)) return *outcome;
+  const Line line = line_from(view, from, direction);
+  if (const auto outcome = outcome_before(from, line, interval)) return *outcome;
   return follow_ray<kChecked>(view, from, line, interval, Kernel::exact, [](const Leaving&) { return true; })
       .outcome;
 }
@@ -133,8 +128,7 @@ Outcome occlusion_in(const FileView& view, const Location& from, const Location&
   for (const Location* place : {&from, &to})
     if (place->state == Location::State::corrupt) return Outcome::corrupt;
   if (from.state == Location::State::absent) return Outcome::absent;
-  Line line;
-  line.origin = {from.position, lift_of(view, from)};
+  Line line = line_from(view, from, {});
   line.toward = to.position;
   line.through_point = true;
   for (std::size_t i = 0; i < 3; ++i) line.direction[i] = to.position[i] - from.position[i];
@@ -167,13 +161,14 @@ Outcome occlusion_in(const FileView& view, const Location& from, const Location&
 template <bool kChecked>
 Outcome all_hits_in(const FileView& view, const Location& from, const Vec3f& direction,
                     std::vector<Hit>& hits, const Interval& interval) {
-  Line line;
-  if (const auto outcome = outcome_before(view, from, direction, interval, line)) return *outcome;
+  const Line line = line_from(view, from, direction);
+  if (const auto outcome = outcome_before(from, line, interval)) return *outcome;
   double least = std::max(interval.t_min, 0.0);
   bool sound = true;
   const Followed followed =
       follow_ray<kChecked>(view, from, line, interval, Kernel::exact, [&](const Leaving& leaving) {
-        Hit hit = hit_on(view, line, leaving.tet, leaving.ref, leaving.ids);
+        Hit hit;
+        describe_hit(view, line, leaving, hit);
         sound = hit.outcome == Outcome::hit;
         if (!sound) return true;
         hit.t = least = std::clamp(hit.t, least, interval.t_max);  // in order, whatever the roundings

@@ -25,6 +25,7 @@ struct Passage {
   Ref previous = kHull;
   std::array<Index, 3> ids{};
   Ref ref = kHull;
+  std::uint32_t steps = 0;  ///< tetrahedra visited up to there
 };
 
 /// The tetrahedron that the walk is leaving: what is known of it at that moment.
@@ -150,7 +151,7 @@ std::optional<Passage> exit_of(const FileView& view, const Signs& signs, const C
   if (k == 4) return std::nullopt;
   auto f = kOutwardFaces[k];
   if (!positive) std::swap(f[1], f[2]);
-  return Passage{cell.tet, {v[f[0]], v[f[1]], v[f[2]]}, cell.neighbors[k]};
+  return Passage{cell.tet, {v[f[0]], v[f[1]], v[f[2]]}, cell.neighbors[k], 1};
 }
 
 /// If the hull face has the mesh on one side and the point on the other: whether the normal of its vertices,

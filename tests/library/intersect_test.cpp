@@ -12,6 +12,7 @@ namespace {
 
 using tetfmt::Vec3f;
 using tetfmt::detail::intersect;
+using tetfmt::detail::intersect_split;
 using tetfmt::detail::TrianglePoint;
 
 const Vec3f kA = {0, 0, 0}, kB = {4, 0, 0}, kC = {0, 4, 0};
@@ -106,7 +107,9 @@ TEST(Intersect, TIsAccurateToTheLastBits) {
     ++steep;
     const double nearest = static_cast<double>(exact);
     const double ulp = std::nextafter(nearest, 1e300) - nearest;
-    const Rational error = Rational(intersect(o, d, a, b, c).t) - exact;
+    const TrianglePoint point = intersect(o, d, a, b, c), split = intersect_split(o, d, a, b, c);
+    ASSERT_TRUE(point.t == split.t && point.u == split.u && point.v == split.v);
+    const Rational error = Rational(point.t) - exact;
     worst = std::max(worst, std::abs(static_cast<double>(error)) / ulp);
   }
   EXPECT_GT(steep, 100000);
