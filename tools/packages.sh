@@ -4,7 +4,7 @@
 build_packages=(g++ cmake ninja-build ccache
   libboost-dev libxxhash-dev                                              # the library
   libcgal-dev libtet1.5-dev libdraco-dev libopenmesh-dev libtinygltf-dev    # the converter
-  libcli11-dev nlohmann-json3-dev libpng-dev libtbb-dev                   # the tet command
+  libcli11-dev nlohmann-json3-dev libpng-dev libopenexr-dev libtbb-dev    # the tet command
   libcgal-demo)                                                           # real meshes
 test_packages=(libgtest-dev)
 check_packages=(clang-14 libclang-rt-14-dev clang-format-14 clang-tidy-14)

@@ -26,7 +26,7 @@ TEST_F(CliTest, EveryVerbsHelpTeaches) {
       {"info", {"FILE", "--format", "json"}},
       {"trace",
        {"FILE", "--output", "--size", "--eye", "--look-at", "--up", "--fov", "--azimuth", "--elevation",
-        "--shade", "--samples", "--threads", "lambert", "normal", "depth", "steps", "[1024x1024]",
+        "--shade", "--samples", "--threads", "lambert", "normal", "depth", "steps", "1024x1024]",
         "degrees"}},
       {"query",
        {"FILE", "--rays", "--hits", "--threads", "--space", "--kernel", ".npy", ".csv", "triangle",

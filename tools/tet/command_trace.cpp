@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
-// `tet trace`: a picture of the surface in a tet file.
+// `tet trace`: a picture of a tet file or of a scene.
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -11,7 +13,6 @@
 #include "common/parse.hpp"
 #include "common/same_file.hpp"
 #include "common/terminal_progress.hpp"
-#include "common/tet_file.hpp"
 #include "common/threads.hpp"
 #include "tet/command.hpp"
 #include "trace/render.hpp"
@@ -19,52 +20,125 @@
 namespace tetprep {
 namespace {
 
-constexpr int kMaxEdge = 32768;
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
-constexpr int kMaxSamples = 1024;
 constexpr double kMaxCoordinate = 1e30;  // squares and products of three stay finite in double
+
+constexpr const char* kTraceFooter =
+    "A scene, in JSON; only \"files\" must be there, paths start at the scene's folder:\n"
+    "  {\n"
+    "    \"files\": [{\"path\": \"room.tet\",\n"
+    "               \"materials\": {\"lamp\": {\"emission\": 15}},\n"
+    "               \"objects\": {\"bunny.ply\": {\"type\": \"glass\", \"ior\": 1.5, \"absorption\": [2, "
+    "0.5, 1]}}}],\n"
+    "    \"camera\": {\"eye\": [0, 2, 5], \"look_at\": [0, 1, 0], \"fov\": 35},\n"
+    "    \"point_lights\": [{\"position\": [2, 4, 2], \"intensity\": 40}],\n"
+    "    \"background\": {\"bottom\": \"#404448\", \"top\": \"#b8c8e0\"},\n"
+    "    \"ambient_occlusion\": {\"distance\": 1.5, \"samples\": 4},\n"
+    "    \"samples\": 64, \"max_bounces\": 12, \"size\": [800, 600]\n"
+    "  }\n"
+    "Materials and objects are named as in the file (`tet info` lists them; objects by their input file, "
+    "too) and "
+    "may\n"
+    "change type (diffuse, mirror, glass), color, emission, ior, absorption, texture, texture_origin, "
+    "vertex_colors,\n"
+    "smooth; \"material\" changes all of a file. Colours are linear numbers or \"#rrggbb\". "
+    "spec/scene.schema.json has all.\n"
+    "\n"
+    "A summary goes to standard error: rays of each kind, seconds, nanoseconds of a thread's time a ray, "
+    "share of "
+    "camera\n"
+    "rays that hit, tetrahedra visited a ray and at most, and how much of the files the picture needed.\n"
+    "\n"
+    "Exit codes: 0 done; 1 usage; 2 a file cannot be read or written; 3 a broken tet file or scene; 5 a kind "
+    "of "
+    "file\n"
+    "that this version does not know. On failure nothing is left at OUT.png.\n"
+    "\n"
+    "Examples:\n"
+    "  tet trace bunny.tet -o bunny.png\n"
+    "  tet trace bunny.tet -o side.png --size 1920x1080 --eye 10,2,0 --look-at 0,0,0 --fov 30\n"
+    "  tet trace armadillo.tet -o front.png --azimuth 210\n"
+    "  tet trace part.tet -o part.png --up 0,0,1 --shade normal\n"
+    "  tet trace bunny.tet -o cost.png --shade steps --samples 1\n"
+    "  tet trace scene.json -o draft.png --samples 4 --size 320x240\n"
+    "  tet trace scene.json -o scene.exr";
 
 struct TraceOptions {
   std::string file, output;
-  CameraWish camera;
-  bool up_given = false;
-  RenderOptions render;
+  std::vector<std::function<void(CameraWish&)>>
+      camera;  ///< what the options say of it, over what a scene says
+  std::optional<std::array<int, 2>> size;
+  std::optional<int> samples;
+  std::optional<Shade> shade;
+  tetfmt::Kernel kernel = tetfmt::Kernel::exact;
+  int threads = 0;
 };
 
-void print_summary(const TraceOptions& options, const RenderStatistics& s) {
-  const auto rays = static_cast<double>(s.rays);
-  std::array<char, 256> text;
+bool ends_with_ignoring_case(const std::string& text, std::string_view ending) {
+  return text.size() >= ending.size() &&
+         std::equal(ending.begin(), ending.end(), text.end() - static_cast<std::ptrdiff_t>(ending.size()),
+                    [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+}
+
+/// "12345 camera, 678 shadow": kinds that there were.
+std::string ray_list(const RayCounts& counts) {
+  std::string text;
+  for (std::size_t i = 0; i < counts.rays.size(); ++i) {
+    if (counts.rays[i] == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(counts.rays[i]) + " " + kRayKindNames[i];
+  }
+  return text;
+}
+
+void print_summary(const std::string& output, const Rendering& rendering, const Scene& scene) {
+  const RenderStatistics& s = rendering.statistics;
+  const auto count = [](std::uint64_t n) { return static_cast<double>(n); };
+  const auto camera_rays = s.counts.rays[static_cast<std::size_t>(RayKind::camera)];
+  std::array<char, 512> text;
   std::snprintf(
       text.data(), text.size(),
-      ": %d x %d pixels; %llu rays in %.3f s on %d thread%s, %.0f ns of a thread a ray; %.1f %% hit; "
-      "%.1f tets a ray, at most %u",
-      options.render.width, options.render.height, static_cast<unsigned long long>(s.rays), s.seconds,
-      s.threads, s.threads == 1 ? "" : "s", 1e9 * s.seconds * s.threads / rays,
-      100 * static_cast<double>(s.hits) / rays, static_cast<double>(s.steps) / rays, s.most_steps);
-  std::cerr << "tet trace: " << one_line(options.output + text.data()) << '\n';
+      ": %d x %d pixels; %llu rays (%s) in %.3f s on %d thread%s, %.0f ns of a thread a ray; %.1f %% hit; "
+      "%.1f tets a ray, at most %u; read at most %.2f of %.2f MB",
+      rendering.image.width, rendering.image.height, static_cast<unsigned long long>(s.counts.total()),
+      ray_list(s.counts).c_str(), s.seconds, s.threads, s.threads == 1 ? "" : "s",
+      1e9 * s.seconds * s.threads / count(s.counts.total()), 100 * count(s.counts.hits) / count(camera_rays),
+      count(s.counts.steps) / count(s.counts.walks), s.counts.most_steps,
+      1e-6 * count(scene.readable_bytes()), 1e-6 * count(scene.file_bytes()));
+  std::string line = output + text.data();
+  if (s.counts.lost > 0) line += "; " + std::to_string(s.counts.lost) + " rays lost by the float kernel";
+  std::cerr << "tet trace: " << one_line(line) << '\n';
 }
 
 int run_trace(const TraceOptions& options) {
   refuse_same_file(options.file, options.output);
-  const TetFile file(options.file);
+  const bool is_scene = ends_with_ignoring_case(options.file, ".json");
+  SceneDescription description = is_scene ? read_scene_file(options.file) : scene_of(options.file);
+  for (const auto& change : options.camera) change(description.camera);
+  for (const FileEntry& entry : description.files) refuse_same_file(entry.path, options.output);
+
+  RenderOptions render_options;
+  const auto size = options.size ? options.size : description.size;
+  if (size) render_options.width = (*size)[0], render_options.height = (*size)[1];
+  if (const auto samples = options.samples ? options.samples : description.samples)
+    render_options.samples = *samples;
+  render_options.shade = options.shade.value_or(is_scene ? Shade::scene : Shade::lambert);
+  render_options.kernel = options.kernel;
+  render_options.threads = options.threads;
+
+  const Scene scene = open_scene(description, render_options.shade == Shade::scene);
+  for (const std::string& warning : scene.warnings)
+    std::cerr << "tet trace: warning: " << one_line(warning) << '\n';
   AtomicFile out(options.output);
-  const double aspect = static_cast<double>(options.render.width) / options.render.height;
-  RenderStatistics statistics;
-  {
+  const auto rendering = [&] {
     TerminalProgress progress;
-    try {
-      const Camera camera = make_camera(options.camera, options.up_given, file.view(), aspect);
-      const Rendering rendering = render(file.view(), camera, options.render, progress);
-      statistics = rendering.statistics;
-      progress.stage("write");
-      write_png(rendering.image, out);
-    } catch (const Failure& failure) {
-      if (failure.code() != ExitCode::invalid) throw;
-      throw Failure(failure.code(), options.file + ": " + failure.what());
-    }
-    out.commit();
-  }
-  print_summary(options, statistics);
+    const double aspect = static_cast<double>(render_options.width) / render_options.height;
+    const Camera camera = make_camera(description.camera, scene, aspect);
+    Rendering result = render(scene, camera, render_options, progress);
+    progress.stage("write");
+    (ends_with_ignoring_case(options.output, ".exr") ? write_exr : write_png)(result.image, out);
+    return result;
+  }();
+  out.commit();
+  print_summary(options.output, rendering, scene);
   return 0;
 }
 
@@ -78,27 +152,75 @@ Vec3 vector_option(const char* option, const std::string& text) {
   return vec3(*vector);
 }
 
-/// An option in degrees. Parsed here, for CLI11's ranges let nan pass. `target` must outlive the parsing.
-CLI::Option* add_angle(CLI::App* verb, const std::string& name, double& target, double low, double high,
-                       const std::string& help) {
-  const auto parse = [&target, name, low, high](const std::string& text) {
+/// An option in degrees. Parsed here, for CLI11's ranges let nan pass.
+CLI::Option* add_angle(CLI::App* verb, const std::string& name, double low, double high,
+                       const std::string& help, std::function<void(double)> use) {
+  const auto parse = [use = std::move(use), name, low, high](const std::string& text) {
     const auto degrees = parse_double(text);
     if (!degrees || !(*degrees >= low && *degrees <= high)) {
       throw CLI::ValidationError(
           name, "expected " + number(low) + " to " + number(high) + " degrees, found '" + text + "'");
     }
-    target = *degrees;
+    use(*degrees);
   };
   return verb->add_option_function<std::string>(name, parse, help)->type_name("DEG");
+}
+
+/// Where the camera is and how it looks.
+void add_camera_options(CLI::App* verb, const std::shared_ptr<TraceOptions>& options) {
+  const auto change = [options](auto how) { options->camera.emplace_back(std::move(how)); };
+  CLI::Option* eye =
+      verb->add_option_function<std::string>(
+              "--eye",
+              [change](const std::string& text) {
+                change([eye = vector_option("--eye", text)](CameraWish& wish) { wish.eye = eye; });
+              },
+              "Where the camera is, in the input mesh's coordinates [in front, to the right and above, just "
+              "far\n"
+              "enough to see the whole surface]")
+          ->type_name("X,Y,Z");
+  verb->add_option_function<std::string>(
+          "--look-at",
+          [change](const std::string& text) {
+            change([point = vector_option("--look-at", text)](CameraWish& wish) { wish.look_at = point; });
+          },
+          "The point in the middle of the picture [the middle of the surface]")
+      ->type_name("X,Y,Z");
+  verb->add_option_function<std::string>(
+          "--up",
+          [change](const std::string& text) {
+            const Vec3 up = vector_option("--up", text);
+            if (!(length(up) > 0)) throw CLI::ValidationError("--up", "must not be zero");
+            change([up](CameraWish& wish) { wish.up = up; });
+          },
+          "The direction that is upward in the picture [0,1,0]; try 0,0,1 for models from CAD and maps")
+      ->type_name("X,Y,Z");
+  add_angle(verb, "--fov", 0.01, 179, "Vertical opening angle in degrees [30]",
+            [change](double x) { change([x](CameraWish& wish) { wish.fov = x; }); });
+  // These two are ways to say where the eye is, so they take the place of a scene's.
+  add_angle(verb, "--azimuth", -360, 360,
+            "Without --eye: from which side to look, in degrees around --up from the front (+z; -y if "
+            "z is up)\n"
+            "towards its right [30]; 210 for models that face the other way",
+            [change](double x) { change([x](CameraWish& wish) { wish.azimuth = x, wish.eye.reset(); }); })
+      ->excludes(eye);
+  add_angle(verb, "--elevation", -89, 89, "Without --eye: from how far above to look, in degrees [18]",
+            [change](double x) { change([x](CameraWish& wish) { wish.elevation = x, wish.eye.reset(); }); })
+      ->excludes(eye);
 }
 
 }  // namespace
 
 void add_trace_command(CLI::App& app, std::function<int()>& run) {
   const auto options = std::make_shared<TraceOptions>();
-  CLI::App* verb = app.add_subcommand("trace", "Trace a picture of the surface in a tet file.");
-  verb->add_option("FILE", options->file, "A tet file")->required();
-  verb->add_option("-o,--output", options->output, "The PNG to write: 8 bits a channel, sRGB")
+  CLI::App* verb = app.add_subcommand(
+      "trace",
+      "Trace a picture of the surface in a tet file, or of a scene: tet files, light and materials.");
+  verb->add_option("FILE", options->file, "A tet file; or a scene, whose name ends in .json")->required();
+  verb->add_option("-o,--output", options->output,
+                   "The picture to write: a PNG of 8 bits a channel, sRGB; or, if its name ends in .exr, "
+                   "OpenEXR, linear\n"
+                   "float")
       ->required()
       ->type_name("OUT.png");
   verb->add_option_function<std::string>(
@@ -111,77 +233,42 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
                   "--size",
                   "expected WxH, each 1 to 32768 and 2^28 pixels in all at most, found '" + text + "'");
             }
-            options->render.width = (*size)[0];
-            options->render.height = (*size)[1];
+            options->size = *size;
           },
-          "Pixels, width and height [1024x1024]")
+          "Pixels, width and height [the scene's, or 1024x1024]")
       ->type_name("WxH");
-  CLI::Option* eye =
-      verb->add_option_function<std::string>(
-              "--eye",
-              [options](const std::string& text) { options->camera.eye = vector_option("--eye", text); },
-              "Where the camera is, in the input mesh's coordinates [in front, to the right and above, just "
-              "far\n"
-              "enough to see the whole surface]")
-          ->type_name("X,Y,Z");
-  verb->add_option_function<std::string>(
-          "--look-at",
-          [options](const std::string& text) { options->camera.look_at = vector_option("--look-at", text); },
-          "The point in the middle of the picture [the middle of the surface]")
-      ->type_name("X,Y,Z");
-  verb->add_option_function<std::string>(
-          "--up",
-          [options](const std::string& text) {
-            options->camera.up = vector_option("--up", text);
-            options->up_given = true;
-            if (!(length(options->camera.up) > 0)) throw CLI::ValidationError("--up", "must not be zero");
-          },
-          "The direction that is upward in the picture [0,1,0]; try 0,0,1 for models from CAD and maps")
-      ->type_name("X,Y,Z");
-  add_angle(verb, "--fov", options->camera.fov, 0.01, 179, "Vertical opening angle in degrees [30]");
-  add_angle(verb, "--azimuth", options->camera.azimuth, -360, 360,
-            "Without --eye: from which side to look, in degrees around --up from the front (+z; -y if "
-            "z is up)\n"
-            "towards its right [30]; 210 for models that face the other way")
-      ->excludes(eye);
-  add_angle(verb, "--elevation", options->camera.elevation, -89, 89,
-            "Without --eye: from how far above to look, in degrees [18]")
-      ->excludes(eye);
-  const std::map<std::string, Shade> shades{{"lambert", Shade::lambert},
+  add_camera_options(verb, options);
+  const std::map<std::string, Shade> shades{{"scene", Shade::scene},
+                                            {"lambert", Shade::lambert},
                                             {"normal", Shade::normal},
                                             {"depth", Shade::depth},
                                             {"steps", Shade::steps}};
   verb->add_option_function<std::string>(
-          "--shade", [options, shades](const std::string& name) { options->render.shade = shades.at(name); },
-          "What colours show [lambert]:\n"
+          "--shade", [options, shades](const std::string& name) { options->shade = shades.at(name); },
+          "What colours show [scene for scenes, lambert for tet files]:\n"
+          "scene:   materials, light and shadow; without any light, two lights fixed to the camera\n"
           "lambert: a clay model under two lights, both sides of the surface alike\n"
           "normal:  the input triangle's unit normal n as (n + 1) / 2\n"
           "depth:   distance along the view axis, near bright\n"
           "steps:   tetrahedra visited, dark blue (none) to yellow (the most of a pixel)")
-      ->check(one_of({"lambert", "normal", "depth", "steps"}))
+      ->check(one_of({"scene", "lambert", "normal", "depth", "steps"}))
       ->type_name("SHADE");
-  verb->add_option("--samples", options->render.samples, "Rays a pixel, on a regular grid [4]")
+  verb->add_option("--samples", options->samples,
+                   "Camera rays a pixel, on a regular grid [the scene's, or 4]")
       ->check(CLI::Range(1, kMaxSamples))
       ->type_name("N");
-  verb->add_option("--threads", options->render.threads,
+  add_choice<tetfmt::Kernel>(*verb, "--kernel", options->kernel,
+                             {{"exact", tetfmt::Kernel::exact}, {"float", tetfmt::Kernel::float_only}},
+                             "How the signs that steer a ray are computed: exact; or float, which can go "
+                             "wrong where rays meet edges, "
+                             "for\n"
+                             "comparison (shadow rays to point lights stay exact) [exact]")
+      ->type_name("KERNEL");
+  verb->add_option("--threads", options->threads,
                    "Threads to use [all]; the picture is the same for any number")
       ->check(CLI::Range(1, kMaxThreads))
       ->type_name("N");
-  verb->footer(
-      "A summary goes to standard error: rays, seconds, nanoseconds of a thread's time a ray, share of rays "
-      "that hit,\n"
-      "tetrahedra visited a ray and at most.\n"
-      "\n"
-      "Exit codes: 0 done; 1 usage; 2 a file cannot be read or written; 3 a broken tet file; 5 a kind of "
-      "file that\n"
-      "this version does not know. On failure nothing is left at OUT.png.\n"
-      "\n"
-      "Examples:\n"
-      "  tet trace bunny.tet -o bunny.png\n"
-      "  tet trace bunny.tet -o side.png --size 1920x1080 --eye 10,2,0 --look-at 0,0,0 --fov 30\n"
-      "  tet trace armadillo.tet -o front.png --azimuth 210\n"
-      "  tet trace part.tet -o part.png --up 0,0,1 --shade normal\n"
-      "  tet trace bunny.tet -o cost.png --shade steps --samples 1");
+  verb->footer(kTraceFooter);
   verb->callback([options, &run] { run = [options] { return run_trace(*options); }; });
 }
 

@@ -5,18 +5,19 @@
 #include <limits>
 
 #include "common/failure.hpp"
-#include "common/tet_file.hpp"
+#include "trace/scene.hpp"
 
 namespace tetprep {
 namespace {
 
+constexpr Vec3 kUp{0, 1, 0};
 constexpr double kPi = 3.141592653589793;
 /// How much of the picture's half width and height the surface may fill.
 constexpr double kFill = 0.88;
 /// From the surface towards the default camera. Which way is the front depends on what is up: +z where y is
 /// up (as most models of figures have it), -y where z is up (as CAD has it).
 Vec3 default_outlook(const CameraWish& wish) {
-  const Vec3 up = unit(wish.up);
+  const Vec3 up = unit(wish.up.value_or(kUp));
   const bool y_up = std::abs(up.y) >= std::max(std::abs(up.x), std::abs(up.z));
   const Vec3 front_guess = y_up ? Vec3{0, 0, 1} : Vec3{0, -1, 0};
   const Vec3 right = unit(cross(up, front_guess));
@@ -58,42 +59,60 @@ struct Fit {
   }
 };
 
+/// Calls `use` with every corner of the surface, or of the tetrahedra where there is no surface.
+template <class Use>
+void for_each_point(const Scene& scene, bool surface, Use use) {
+  for (const auto& part : scene.parts) {
+    const auto moved = [&](const std::array<double, 3>& p) { use(vec3(p) + part->offset); };
+    if (surface) {
+      for_each_surface_corner(part->view(), moved);
+    } else {
+      const Bounds box = vertex_bounds(part->view());
+      for (std::size_t corner = 0; corner < 8 && !box.empty(); ++corner)
+        moved({(corner & 1 ? box.high : box.low)[0], (corner & 2 ? box.high : box.low)[1],
+               (corner & 4 ? box.high : box.low)[2]});
+    }
+  }
+}
+
 }  // namespace
 
-Camera make_camera(const CameraWish& wish, bool up_given, const tetfmt::FileView& view, double aspect) {
-  Bounds bounds = surface_bounds(view);
-  const bool has_surface = !bounds.empty();
-  if (!has_surface) bounds = vertex_bounds(view);
-  if (bounds.empty())
-    throw Failure(ExitCode::invalid, "the file has no finite vertex; run `tet validate` on it");
-  const Vec3 low = vec3(bounds.low), high = vec3(bounds.high), middle = 0.5 * (low + high);
-  const Vec3 origin = vec3(view.header().origin);
-
+Camera make_camera(const CameraWish& wish, const Scene& scene, double aspect) {
   Camera camera;
   camera.half_height = std::tan(wish.fov * kPi / 360);
   camera.half_width = aspect * camera.half_height;
+  const auto turn = [&](Vec3 forward) {
+    if (!(length(forward) > 0))
+      throw Failure(ExitCode::usage,
+                    "the camera's eye and look-at are the same point; move one (--eye, --look-at)");
+    if (!orient(camera, forward, wish.up.value_or(kUp)) && (wish.up || !orient(camera, forward, {0, 0, 1})))
+      throw Failure(ExitCode::usage,
+                    "the camera's up (--up) is parallel to the view direction; choose another");
+  };
+  if (wish.eye && wish.look_at) {
+    camera.eye = *wish.eye - scene.origin;
+    turn(*wish.look_at - scene.origin - camera.eye);
+    return camera;
+  }
 
-  const Vec3 target = wish.look_at ? *wish.look_at - origin : middle;
-  const Vec3 forward = wish.eye ? target - (*wish.eye - origin) : -default_outlook(wish);
-  if (!(length(forward) > 0)) {
-    throw Failure(ExitCode::usage, "--eye and --look-at are the same point; move one of them");
-  }
-  if (!orient(camera, forward, wish.up) && (up_given || !orient(camera, forward, {0, 0, 1}))) {
-    throw Failure(ExitCode::usage, "--up is parallel to the view direction; choose another");
-  }
+  Bounds bounds;
+  const auto add = [&](Vec3 p) { bounds.add({p.x, p.y, p.z}); };
+  for_each_point(scene, true, add);
+  const bool has_surface = !bounds.empty();
+  if (!has_surface) for_each_point(scene, false, add);
+  if (bounds.empty())
+    throw Failure(ExitCode::invalid, scene.parts.front()->file.path() +
+                                         ": the file has no finite vertex; run `tet validate` on it");
+  const Vec3 low = vec3(bounds.low), high = vec3(bounds.high), middle = 0.5 * (low + high);
+
+  const Vec3 target = wish.look_at ? *wish.look_at - scene.origin : middle;
+  turn(wish.eye ? target - (*wish.eye - scene.origin) : -default_outlook(wish));
   if (wish.eye) {
-    camera.eye = *wish.eye - origin;
+    camera.eye = *wish.eye - scene.origin;
     return camera;
   }
   Fit fit{kFill * camera.half_width, kFill * camera.half_height};
-  if (has_surface) {
-    for_each_surface_corner(view, [&](const std::array<double, 3>& p) { fit.add(camera, vec3(p)); });
-  } else {
-    for (int corner = 0; corner < 8; ++corner) {
-      fit.add(camera,
-              {corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z});
-    }
-  }
+  for_each_point(scene, has_surface, [&](Vec3 p) { fit.add(camera, p); });
   camera.eye = fit.eye(camera);
   // A wish to look at some point keeps the distance, and gives up the fit.
   if (wish.look_at)

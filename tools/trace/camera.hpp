@@ -4,21 +4,22 @@
 
 #include <optional>
 
-#include "tetfmt/view.hpp"
 #include "trace/vector.hpp"
 
 namespace tetprep {
+
+struct Scene;
 
 /// What the user may say about the camera, in model coordinates. What is left open is chosen to suit the
 /// surface.
 struct CameraWish {
   std::optional<Vec3> eye, look_at;
-  Vec3 up{0, 1, 0};
+  std::optional<Vec3> up;               ///< without: 0,1,0, or another if that is where the camera looks
   double fov = 30;                      ///< vertical opening angle in degrees, 0 to 180 exclusive
   double azimuth = 30, elevation = 18;  ///< degrees to the right of the front and above it; without an eye
 };
 
-/// In the file's local coordinates. right, up and forward are orthonormal.
+/// In world coordinates (Scene). right, up and forward are orthonormal.
 struct Camera {
   Vec3 eye, right, up, forward;
   double half_height = 0;  ///< tangent of half the vertical opening angle
@@ -33,8 +34,8 @@ struct Camera {
 /// Fills in what `wish` leaves open. Without an eye, the surface is seen from the front, right and above (a
 /// three-quarter view, unless azimuth and elevation say otherwise) at the distance from which all of it just
 /// fits; without a look_at, the camera turns to the middle of the surface. `aspect` is width / height. Throws
-/// Failure: usage for a view direction of length zero or parallel to up (unless up was left at its default:
-/// then another is taken), invalid if the file has no finite point.
-Camera make_camera(const CameraWish& wish, bool up_given, const tetfmt::FileView& view, double aspect);
+/// Failure: usage for a view direction of length zero or parallel to an up that was wished for, invalid if
+/// the surface is needed and a file has no finite point. Reads the surface only where something is left open.
+Camera make_camera(const CameraWish& wish, const Scene& scene, double aspect);
 
 }  // namespace tetprep

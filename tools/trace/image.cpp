@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "common/failure.hpp"
 
@@ -22,16 +23,14 @@ Rgb from_screen(double r, double g, double b) {
   return {srgb_decode(r / 255), srgb_decode(g / 255), srgb_decode(b / 255)};
 }
 
-void Image::set(int x, int y, Rgb colour) {
-  std::uint8_t* pixel =
-      bytes.data() + std::size_t{3} * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                       static_cast<std::size_t>(x));
-  for (const double channel : {colour.r, colour.g, colour.b}) {
-    *pixel++ = static_cast<std::uint8_t>(std::lround(255 * srgb_encode(std::clamp(channel, 0.0, 1.0))));
-  }
-}
-
 void write_png(const Image& image, AtomicFile& file) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(3 * image.pixels.size());
+  for (const Rgb& pixel : image.pixels) {
+    for (const double channel : {pixel.r, pixel.g, pixel.b})
+      bytes.push_back(
+          static_cast<std::uint8_t>(std::lround(255 * srgb_encode(std::clamp(channel, 0.0, 1.0)))));
+  }
   // libpng's simplified interface reports errors by its return value, where the full one would jump over
   // destructors.
   png_image control{};
@@ -44,7 +43,7 @@ void write_png(const Image& image, AtomicFile& file) {
   };
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(control);
   std::vector<std::byte> encoded(size);
-  check(png_image_write_to_memory(&control, encoded.data(), &size, 0, image.bytes.data(), 0, nullptr));
+  check(png_image_write_to_memory(&control, encoded.data(), &size, 0, bytes.data(), 0, nullptr));
   file.write(std::span(encoded).first(size));
 }
 

@@ -7,9 +7,8 @@
 #include <atomic>
 #include <chrono>
 
-#include "common/failure.hpp"
-#include "common/parse.hpp"
 #include "common/threads.hpp"
+#include "trace/integrate.hpp"
 
 namespace tetprep {
 namespace {
@@ -28,68 +27,58 @@ struct SampleGrid {
 };
 
 struct Picture {
-  const tetfmt::FileView& view;
+  const Scene& scene;
   const Camera& camera;
   const RenderOptions& options;
-  tetfmt::Vec3f eye;
-  tetfmt::Location start;
+  Place eye;
   SampleGrid grid;
   std::vector<Pixel> pixels;
 
-  Pixel& pixel(int x, int y) {
-    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
-                  static_cast<std::size_t>(x)];
+  std::size_t number(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
+           static_cast<std::size_t>(x);
   }
 };
 
-/// Traces the rays of one pixel. False if one met bytes that are no mesh.
-bool trace_pixel(Picture& picture, int x, int y, RenderStatistics& statistics) {
+void trace_pixel(Picture& picture, int x, int y, Rays& rays) {
   Pixel pixel;  // local, so that neighbouring threads do not share its cache line
   for (int j = 0; j < picture.grid.rows; ++j) {
     for (int i = 0; i < picture.grid.columns; ++i) {
       const tetfmt::Vec3f direction =
           rounded(picture.camera.direction((x + (i + 0.5) / picture.grid.columns) / picture.options.width,
                                            (y + (j + 0.5) / picture.grid.rows) / picture.options.height));
-      const tetfmt::Hit hit = tetfmt::first_hit(picture.view, picture.start, direction);
-      if (hit.outcome == tetfmt::Outcome::corrupt) return false;
-      ++statistics.rays;
-      statistics.hits += hit.outcome == tetfmt::Outcome::hit;
-      statistics.steps += hit.steps;
-      statistics.most_steps = std::max(statistics.most_steps, hit.steps);
-      gather(pixel, picture.options.shade, picture.view, picture.camera, vec3(direction), hit);
+      if (picture.options.shade == Shade::scene) {
+        const Dice dice(picture.number(x, y), static_cast<std::uint64_t>(pixel.rays));
+        Integrator integrator(picture.scene, picture.camera, rays, dice);
+        pixel.colour = pixel.colour + integrator.seen_from(picture.eye, direction);
+        ++pixel.rays;
+      } else {
+        const SceneHit hit = rays.first_hit(RayKind::camera, picture.eye, direction);
+        gather(pixel, picture.options.shade, picture.scene.parts[hit.part]->view(), picture.camera,
+               vec3(direction), hit.hit);
+      }
     }
   }
-  picture.pixel(x, y) = pixel;
-  return true;
+  picture.pixels[picture.number(x, y)] = pixel;
 }
 
-RenderStatistics trace_tiles(Picture& picture, Progress& progress) {
+RayCounts trace_tiles(Picture& picture, Progress& progress) {
   const int width = picture.options.width, height = picture.options.height;
   const int columns = (width + kTile - 1) / kTile, rows = (height + kTile - 1) / kTile;
-  std::vector<RenderStatistics> parts(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  std::vector<RayCounts> parts(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   std::atomic<std::size_t> done{0};
-  std::atomic<bool> corrupt{false};
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t tile) {
     const int x0 = static_cast<int>(tile % static_cast<std::size_t>(columns)) * kTile;
     const int y0 = static_cast<int>(tile / static_cast<std::size_t>(columns)) * kTile;
-    for (int y = y0; y < std::min(y0 + kTile, height) && !corrupt; ++y) {
-      for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
-        if (!trace_pixel(picture, x, y, parts[tile])) corrupt = true;
-      }
+    Rays rays(picture.scene, picture.options.kernel);
+    for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
+      for (int x = x0; x < std::min(x0 + kTile, width); ++x) trace_pixel(picture, x, y, rays);
     }
+    parts[tile] = rays.counts();
     progress.fraction(static_cast<double>(++done) / static_cast<double>(parts.size()));
   });
-  if (corrupt) {
-    throw Failure(ExitCode::invalid,
-                  "a camera ray ran into bytes that are no mesh; run `tet validate` on the file");
-  }
-  RenderStatistics sum;
-  for (const RenderStatistics& part : parts) {
-    sum.rays += part.rays;
-    sum.hits += part.hits;
-    sum.steps += part.steps;
-    sum.most_steps = std::max(sum.most_steps, part.most_steps);
-  }
+  RayCounts sum;
+  for (const RayCounts& part : parts) sum.add(part);
   return sum;
 }
 
@@ -108,31 +97,16 @@ Range quantity_range(const std::vector<Pixel>& pixels, Shade shade) {
 
 }  // namespace
 
-Rendering render(const tetfmt::FileView& view, const Camera& camera, const RenderOptions& options,
-                 Progress& progress) {
+Rendering render(const Scene& scene, const Camera& camera, const RenderOptions& options, Progress& progress) {
   const auto pixel_count = static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-  Picture picture{view, camera, options, rounded(camera.eye), {}, SampleGrid(options.samples), {}};
+  const auto eye = locate_everywhere(scene, camera.eye, "the camera", " with --eye");
+  Picture picture{scene, camera, options, {camera.eye, eye, 0, {}}, SampleGrid(options.samples), {}};
   picture.pixels.resize(pixel_count);
-  picture.start = tetfmt::locate(view, picture.eye);
-  if (picture.start.state == tetfmt::Location::State::corrupt) {
-    throw Failure(ExitCode::invalid, "the camera cannot be located in this file; run `tet validate` on it");
-  }
-
-  if (picture.start.state == tetfmt::Location::State::absent) {
-    const Vec3 eye = camera.eye;
-    const auto& origin = view.header().origin;
-    throw Failure(
-        ExitCode::usage,
-        "the camera at " + number(eye.x + origin[0]) + "," + number(eye.y + origin[1]) + "," +
-            number(eye.z + origin[2]) +
-            " is in space that the file leaves out; place it elsewhere with --eye (`tet info` lists "
-            "the regions that are there), or convert with --keep all");
-  }
 
   RenderStatistics statistics;
   progress.stage("trace");
   const auto begin = std::chrono::steady_clock::now();
-  with_threads(options.threads, [&] { statistics = trace_tiles(picture, progress); });
+  with_threads(options.threads, [&] { statistics.counts = trace_tiles(picture, progress); });
   statistics.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   statistics.threads = thread_count(options.threads);
 
@@ -141,9 +115,9 @@ Rendering render(const tetfmt::FileView& view, const Camera& camera, const Rende
   const Range range = quantity_range(picture.pixels, options.shade);
   for (int y = 0; y < options.height; ++y) {
     const double height = (y + 0.5) / options.height;
-    for (int x = 0; x < options.width; ++x) {
-      image.set(x, y, develop(picture.pixel(x, y), options.shade, range, height));
-    }
+    for (int x = 0; x < options.width; ++x)
+      image.at(x, y) =
+          develop(picture.pixels[picture.number(x, y)], options.shade, range, scene.background, height);
   }
   return {std::move(image), statistics};
 }

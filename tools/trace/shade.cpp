@@ -4,43 +4,16 @@
 #include <algorithm>
 #include <array>
 
+#include "trace/surface.hpp"
+
 namespace tetprep {
 namespace {
 
-/// (b - a) x (c - a), unit length; zero for a triangle that is none.
-Vec3 triangle_normal(const tetfmt::FileView& view, tetfmt::Index triangle) {
-  const auto vertices = view.vertices();
-  if (triangle >= view.input_triangles().size()) return {};
-  const auto& corners = view.input_triangles()[triangle].vertices;
-  for (const tetfmt::Index v : corners) {
-    if (v >= vertices.size()) return {};
-  }
-  const Vec3 a = vec3(vertices[corners[0]]);
-  const Vec3 normal = cross(vec3(vertices[corners[1]]) - a, vec3(vertices[corners[2]]) - a);
-  const double size = length(normal);
-  return size > 0 ? (1 / size) * normal : Vec3{};
-}
-
-/// Lights fixed to the camera, so that every view is well lit: a warm key light over its left shoulder, a
-/// cool headlight that keeps facets on the far side readable, and a little from the sky. `n` faces the
-/// camera.
+/// A model under the camera's own lights. `n` faces the camera.
 Rgb clay(Vec3 n, const Camera& camera) {
   static const Rgb kClay = from_screen(228, 208, 186);
-  static const Rgb kKeyLight = from_screen(255, 249, 238), kHeadLight = from_screen(222, 232, 255);
-  const Vec3 to_key = unit(-0.55 * camera.right + 0.70 * camera.up - 0.65 * camera.forward);
-  const double key = std::max(0.0, dot(n, to_key));
-  const double head = std::max(0.0, -dot(n, camera.forward));
-  const double sky = 0.5 + 0.5 * dot(n, camera.up);
-  const Rgb light = (0.72 * key) * kKeyLight + (0.32 * head + 0.09 * sky) * kHeadLight;
-  return {kClay.r * light.r, kClay.g * light.g, kClay.b * light.b};
+  return kClay * camera_light(n, camera);
 }
-
-/// Light grey, a little lighter at the top.
-Rgb background(double height) {
-  static const Rgb kTop = from_screen(247, 248, 250), kBottom = from_screen(214, 218, 224);
-  return mix(kTop, kBottom, height);
-}
-
 /// Viridis (Smith and van der Walt 2015) by five of its colours, straight lines between them as screens show
 /// them.
 Rgb viridis(double t) {
@@ -54,6 +27,15 @@ Rgb viridis(double t) {
 }
 
 }  // namespace
+
+Rgb camera_light(Vec3 n, const Camera& camera) {
+  static const Rgb kKeyLight = from_screen(255, 249, 238), kHeadLight = from_screen(222, 232, 255);
+  const Vec3 to_key = unit(-0.55 * camera.right + 0.70 * camera.up - 0.65 * camera.forward);
+  const double key = std::max(0.0, dot(n, to_key));
+  const double head = std::max(0.0, -dot(n, camera.forward));
+  const double sky = 0.5 + 0.5 * dot(n, camera.up);
+  return (0.72 * key) * kKeyLight + (0.32 * head + 0.09 * sky) * kHeadLight;
+}
 
 void gather(Pixel& pixel, Shade shade, const tetfmt::FileView& view, const Camera& camera, Vec3 direction,
             const tetfmt::Hit& hit) {
@@ -78,7 +60,8 @@ double mean_quantity(const Pixel& pixel, Shade shade) {
   return pixel.quantity / (shade == Shade::depth ? pixel.hits : pixel.rays);
 }
 
-Rgb develop(const Pixel& pixel, Shade shade, Range range, double height) {
+Rgb develop(const Pixel& pixel, Shade shade, Range range, const Background& background, double height) {
+  if (shade == Shade::scene) return (1.0 / pixel.rays) * pixel.colour;
   if (shade == Shade::steps) return viridis(mean_quantity(pixel, shade) / std::max(range.high, 1.0));
   const double covered = static_cast<double>(pixel.hits) / pixel.rays;
   if (shade == Shade::depth) {
@@ -88,7 +71,7 @@ Rgb develop(const Pixel& pixel, Shade shade, Range range, double height) {
     const double grey = 255 * (0.12 + 0.88 * nearness);  // the farthest point still stands out from black
     return covered * from_screen(grey, grey, grey);
   }
-  return (1.0 / pixel.rays) * pixel.colour + (1 - covered) * background(height);
+  return (1.0 / pixel.rays) * pixel.colour + (1 - covered) * mix(background.top, background.bottom, height);
 }
 
 }  // namespace tetprep
