@@ -10,52 +10,17 @@
 #include <optional>
 #include <random>
 
-#include "support/lattice_mesh.hpp"
-#include "support/region_mesh.hpp"
-#include "tetfmt/encode.hpp"
+#include "support/scene.hpp"
 #include "tetfmt/orientation.hpp"
-#include "tetfmt/reconstruct.hpp"
 
 namespace {
 
 using namespace tetfmt;
 
-struct Scene {
-  explicit Scene(int n, const tetfmt_test::LatticeOptions& options = {})
-      : Scene(tetfmt_test::lattice_mesh(n, options)) {}
-  explicit Scene(Mesh given)
-      : mesh(std::move(given)),
-        bytes20(encode(mesh, Layout::tet20)),
-        bytes16(encode(mesh, Layout::tet16)),
-        view20(*FileView::open(bytes20)),
-        view16(*FileView::open(bytes16)),
-        trusted20(*TrustedView::validated(bytes20)),
-        trusted16(*TrustedView::validated(bytes16)) {}
-  Mesh mesh;
-  std::vector<std::byte> bytes20, bytes16;
-  FileView view20, view16;
-  TrustedView trusted20, trusted16;
-};
+using tetfmt_test::Scene;
 
-/// Hits the same triangle, point and tetrahedra by all four views, or the test fails.
 Hit hit_by_all(const Scene& scene, const Ray& ray) {
-  const Hit hit = first_hit(scene.view20, locate(scene.view20, ray.origin), ray.direction);
-  const Hit others[] = {first_hit(scene.view16, locate(scene.view16, ray.origin), ray.direction),
-                        first_hit(scene.trusted20, locate(scene.trusted20, ray.origin), ray.direction),
-                        first_hit(scene.trusted16, locate(scene.trusted16, ray.origin), ray.direction)};
-  for (const Hit& other : others) {
-    EXPECT_EQ(hit.outcome, other.outcome);
-    EXPECT_EQ(hit.triangle, other.triangle);
-    EXPECT_EQ(hit.side, other.side);
-    EXPECT_EQ(hit.tet, other.tet);
-    EXPECT_EQ(hit.neighbor, other.neighbor);
-    EXPECT_EQ(hit.back, other.back);
-    EXPECT_EQ(hit.t, other.t);
-    EXPECT_EQ(hit.u, other.u);
-    EXPECT_EQ(hit.v, other.v);
-    EXPECT_EQ(hit.steps, other.steps);
-  }
-  return hit;
+  return scene.first_hit(scene.locate(ray.origin), ray.direction);
 }
 
 struct Fraction {
