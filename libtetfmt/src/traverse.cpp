@@ -144,8 +144,8 @@ Outcome occlusion_in(const FileView& view, const Location& from, const Location&
   const Index target = to.state == Location::State::inside ? to.cell.tet : kNone;
   const Place end{to.position, lift_of(view, to)};
   const auto vertices = view.vertices();
-  bool late = false;
-  const auto reached = [&](const Leaving& leaving) { return leaving.ref == target; };
+  bool arrived = false, late = false;
+  const auto reached = [&](const Leaving& leaving) { return arrived = leaving.ref == target; };
   const auto at_face = [&](const Leaving& at) {
     const auto corner = [&](std::size_t k) { return Corner{vertices[at.ids[k]], at.ids[k]}; };
     late = behind(corner(0), corner(1), corner(2), end);
@@ -154,6 +154,9 @@ Outcome occlusion_in(const FileView& view, const Location& from, const Location&
   return with_cells(view, [&](const auto& cells) {
     const Signs signs(line, view.bounds(), vertices, {});
     const Outcome outcome = follow<kChecked>(view, cells, line, from, signs, signs, reached, at_face).outcome;
+    // A line that gets past a side of a face without arriving in front of it runs in its plane, behind it.
+    const bool passed = late || outcome == Outcome::miss;
+    if (passed && !arrived && to.face != Location::kNoFace) return Outcome::hit;
     return late ? Outcome::miss : outcome;
   });
 }
