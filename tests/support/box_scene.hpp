@@ -52,6 +52,15 @@ class BoxScene : public Scene {
   }
   tetfmt::Vec3f to_scene(const std::array<int, 3>& p) const { return fixed_to_scene(whole(p)); }
 
+  /// The same, rounded to float32: for places in general position.
+  tetfmt::Vec3f near(const std::array<float, 3>& p) const {
+    if (!sheared_) return {p[0], p[1], p[2]};
+    std::array<float, 3> q{};
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k) q[i] += static_cast<float>(kShear[i][k]) * p[k];
+    return {q[0], q[1], q[2]};
+  }
+
   /// Where the location is. Fails the test unless 2^-26 divides its coordinates.
   Fixed to_lattice(const tetfmt::Location& location) const {
     Fixed p{};
