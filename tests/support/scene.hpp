@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <utility>
@@ -31,8 +32,10 @@ inline bool same(const std::vector<tetfmt::Hit>& a, const std::vector<tetfmt::Hi
                     [](const tetfmt::Hit& x, const tetfmt::Hit& y) { return same(x, y); });
 }
 inline bool same(const tetfmt::Location& a, const tetfmt::Location& b) {
-  return a.state == b.state && a.position == b.position && a.cell == b.cell && a.positive == b.positive &&
-         a.face == b.face && a.entrance_count == b.entrance_count && a.entrances == b.entrances;
+  using Bits = std::array<std::uint64_t, 3>;
+  return a.state == b.state && std::bit_cast<Bits>(a.position) == std::bit_cast<Bits>(b.position) &&
+         a.cell == b.cell && a.positive == b.positive && a.face == b.face &&
+         a.entrance_count == b.entrance_count && a.entrances == b.entrances;
 }
 inline bool same(tetfmt::Outcome a, tetfmt::Outcome b) {
   return a == b;
