@@ -1,107 +1,15 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // `tet validate`: silence, verdicts, priorities, and JSON held against its published schema.
-#include <regex.h>
-
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/cli_support.hpp"
+#include "support/schema_checker.hpp"
 
 namespace tetfmt_test {
 namespace {
 
 using Json = nlohmann::json;
-
-/// The part of JSON Schema 2020-12 that the schema uses. A keyword that is not known here is an error, so the
-/// schema cannot outgrow this check unnoticed.
-class SchemaChecker {
- public:
-  explicit SchemaChecker(Json root) : root_(std::move(root)) {}
-  std::vector<std::string> errors(const Json& value) {
-    errors_.clear();
-    check(value, root_, "$");
-    return errors_;
-  }
-
- private:
-  static bool is_type(const Json& value, const std::string& type) {
-    if (type == "object") return value.is_object();
-    if (type == "array") return value.is_array();
-    if (type == "string") return value.is_string();
-    if (type == "integer") return value.is_number_integer();
-    if (type == "null") return value.is_null();
-    throw std::runtime_error("unknown type " + type);
-  }
-
-  /// By POSIX: GCC warns about std::regex under sanitizers.
-  static bool matches(const std::string& pattern, const std::string& text) {
-    regex_t compiled;
-    if (regcomp(&compiled, pattern.c_str(), REG_EXTENDED | REG_NOSUB) != 0)
-      throw std::runtime_error("bad pattern");
-    const bool found = regexec(&compiled, text.c_str(), 0, nullptr, 0) == 0;
-    regfree(&compiled);
-    return found;
-  }
-
-  void require(bool holds, const std::string& where, const std::string& what) {
-    if (!holds) errors_.push_back(where + ": " + what);
-  }
-
-  void check(const Json& value, const Json& schema, const std::string& where) {
-    for (const auto& [keyword, rule] : schema.items()) {
-      if (keyword.starts_with("$") && keyword != "$ref") continue;
-      if (keyword == "title" || keyword == "description") continue;
-      if (keyword == "$ref") {
-        check(value, root_.at(Json::json_pointer(rule.get<std::string>().substr(1))), where);
-      } else if (keyword == "type") {
-        require(is_type(value, rule), where, "type");
-      } else if (keyword == "const") {
-        require(value == rule, where, "const");
-      } else if (keyword == "enum") {
-        require(std::find(rule.begin(), rule.end(), value) != rule.end(), where, "enum");
-      } else if (keyword == "required") {
-        for (const Json& name : rule)
-          require(value.contains(name.get<std::string>()), where, "required " + name.dump());
-      } else if (keyword == "properties") {
-        for (const auto& [name, member] : value.items()) {
-          if (rule.contains(name)) check(member, rule.at(name), where + "." + name);
-        }
-      } else if (keyword == "additionalProperties") {
-        for (const auto& [name, member] : value.items()) {
-          require(schema.at("properties").contains(name), where, "unknown member " + name);
-        }
-      } else if (keyword == "items") {
-        for (std::size_t i = 0; i < value.size(); ++i)
-          check(value[i], rule, where + "[" + std::to_string(i) + "]");
-      } else if (keyword == "minItems") {
-        require(value.size() >= rule.get<std::size_t>(), where, keyword);
-      } else if (keyword == "maxItems") {
-        require(value.size() <= rule.get<std::size_t>(), where, keyword);
-      } else if (keyword == "minLength") {
-        require(value.get<std::string>().size() >= rule.get<std::size_t>(), where, keyword);
-      } else if (keyword == "minimum") {
-        require(value.get<std::int64_t>() >= rule.get<std::int64_t>(), where, keyword);
-      } else if (keyword == "maximum") {
-        require(value.get<std::int64_t>() <= rule.get<std::int64_t>(), where, keyword);
-      } else if (keyword == "pattern") {
-        require(matches(rule.get<std::string>(), value.get<std::string>()), where, keyword);
-      } else if (keyword == "oneOf") {
-        std::size_t fitting = 0;
-        for (const Json& alternative : rule) {
-          SchemaChecker probe(root_);
-          probe.check(value, alternative, where);
-          fitting += probe.errors_.empty();
-        }
-        require(fitting == 1, where, keyword);
-      } else {
-        throw std::runtime_error("unknown keyword " + keyword);
-      }
-    }
-  }
-
-  Json root_;
-  std::vector<std::string> errors_;
-};
 
 Json checked_report(const std::string& text) {
   SchemaChecker checker(Json::parse(std::ifstream(VALIDATE_SCHEMA)));

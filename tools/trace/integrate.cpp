@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kPi = 3.141592653589793;
 /// Glass sends two rays on while the fainter is worth at least this share of the pixel; then one of them,
-/// drawn by its share. So there are at most 16 paths at a time, and no noise where it would show most.
-constexpr double kLeastShare = 1.0 / 16;
+/// drawn by its share. So there are at most 32 paths at a time, and no noise where it would show most.
+constexpr double kLeastShare = 1.0 / 32;
 constexpr Rgb kAll{1, 1, 1}, kNothing{0, 0, 0};
 
 /// What glass leaves of light that has passed `length` of it (Beer and Lambert).
@@ -63,26 +63,29 @@ Rgb Integrator::mirrored(const SceneHit& hit, const SurfacePoint& surface, Vec3 
   const double share = brightest(surface.material.color);
   if (!(share > 0)) return kNothing;
   return surface.material.color *
-         arriving(RayKind::reflection, rays_.near_side(hit), rounded(out), path.next(true, share));
+         arriving(RayKind::reflection, rays_.near_side(hit), rounded(out), path.next(share));
 }
 
 Rgb Integrator::through_glass(const SceneHit& hit, const SurfacePoint& surface, Vec3 along,
                               const Path& path) {
   const Interface glass(hit, surface, along);
-  const auto reflection = [&](double fraction) {
+  const auto reflection = [&](const Path& next) {
     const Vec3 out = kept_above(reflected(along, surface.normal), surface.true_normal);
-    return arriving(RayKind::reflection, rays_.near_side(hit), rounded(out), path.next(true, fraction));
+    return arriving(RayKind::reflection, rays_.near_side(hit), rounded(out), next);
   };
-  const auto refraction = [&](double fraction) {
+  const auto refraction = [&](const Path& next) {
     // There is one: the share that is reflected is less than 1.
     const Vec3 bent = refracted(along, surface.normal, glass.ratio).value_or(along);
     const Vec3 out = -kept_above(-bent, surface.true_normal);
-    return surface.material.color *
-           arriving(RayKind::refraction, rays_.far_side(hit), rounded(out), path.next(false, fraction));
+    return surface.material.color * arriving(RayKind::refraction, rays_.far_side(hit), rounded(out), next);
   };
   const double back = glass.reflected, on = 1 - glass.reflected;
-  if (path.share * std::min(back, on) >= kLeastShare) return back * reflection(back) + on * refraction(on);
-  return dice_.number(purpose(path, Purpose::choice)) < back ? reflection(1) : refraction(1);
+  if (on == 0) return reflection(path.next(1));
+  if (back == 0) return refraction(path.next(1));
+  if (path.share * std::min(back, on) >= kLeastShare)
+    return back * reflection(path.branch(true, back)) + on * refraction(path.branch(false, on));
+  return dice_.number(purpose(path, Purpose::choice)) < back ? reflection(path.branch(true, 1))
+                                                             : refraction(path.branch(false, 1));
 }
 
 Rgb Integrator::scattered(const SceneHit& hit, const SurfacePoint& surface, const Path& path) {

@@ -22,12 +22,14 @@ class Integrator {
   }
 
  private:
-  /// What led to a ray: the numbers drawn for it depend on all of it, so that branches differ.
+  /// What led to a ray. The numbers drawn for it depend on the choices before, so that branches differ, and
+  /// on nothing else: glass that neither bends nor reflects changes none.
   struct Path {
     double share = 1;      ///< of the pixel, that this ray is worth at most
     int bounces = 0;       ///<
-    std::uint64_t id = 1;  ///< 1, then a bit for each bounce: reflected or not
-    Path next(bool reflected, double fraction) const {
+    std::uint64_t id = 1;  ///< 1, then a bit for each choice between reflection and refraction
+    Path next(double fraction) const { return {share * fraction, bounces + 1, id}; }
+    Path branch(bool reflected, double fraction) const {
       return {share * fraction, bounces + 1, id << 1 | static_cast<std::uint64_t>(reflected)};
     }
   };
