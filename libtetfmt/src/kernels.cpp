@@ -17,7 +17,9 @@ struct Query {
 
 template <template <class> class Projection, class Counts>
 Hit walk_variant(const Query& query, Arithmetic arithmetic, const Counts& counts) {
-  const auto& [view, from, line] = query;
+  const FileView& view = query.view;
+  const Location& from = query.from;
+  const Line& line = query.line;  // no structured binding: clang 14 does not capture those
   return with_cells(view, [&](const auto& cells) {
     const ExactSigns<Projection, Counts> exact(line, view.bounds(), view.vertices(), counts);
     const auto go = [&](const auto& signs) {
