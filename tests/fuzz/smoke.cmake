@@ -1,7 +1,9 @@
-# Fills WORK with seed files by SEEDS, then runs HARNESS on them for RUNS inputs.
+# Runs HARNESS for RUNS inputs of at most MAX_LENGTH bytes, on seed files that SEEDS (if any) writes into WORK.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
-execute_process(COMMAND ${SEEDS} ${WORK} COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${HARNESS} ${WORK} -runs=${RUNS} -seed=20 -max_len=16384 -timeout=20 -rss_limit_mb=1024
-                        -print_final_stats=1 -artifact_prefix=${WORK}/
+if(SEEDS)
+  execute_process(COMMAND ${SEEDS} ${WORK} COMMAND_ERROR_IS_FATAL ANY)
+endif()
+execute_process(COMMAND ${HARNESS} ${WORK} -runs=${RUNS} -seed=20 -max_len=${MAX_LENGTH} -timeout=20
+                        -rss_limit_mb=1024 -print_final_stats=1 -artifact_prefix=${WORK}/
                 COMMAND_ERROR_IS_FATAL ANY)

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "support/scene.hpp"
+#include "support/shear.hpp"
 
 namespace tetfmt_test {
 
@@ -24,8 +25,7 @@ struct Fraction {
   friend bool operator==(Fraction a, Fraction b) { return a.top * b.bottom == b.top * a.bottom; }
 };
 
-/// A point or direction in lattice coordinates, exactly: whole numbers times 2^-26.
-using Fixed = std::array<std::int64_t, 3>;
+/// Fixed: a point or direction in lattice coordinates, exactly: whole numbers times 2^-26.
 inline constexpr std::int64_t kOne = std::int64_t{1} << 26;
 
 inline Fixed whole(const std::array<int, 3>& p) {
@@ -55,9 +55,7 @@ class BoxScene : public Scene {
   /// The same, rounded to float32: for places in general position.
   tetfmt::Vec3f near(const std::array<float, 3>& p) const {
     if (!sheared_) return {p[0], p[1], p[2]};
-    std::array<float, 3> q{};
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t k = 0; k < 3; ++k) q[i] += static_cast<float>(kShear[i][k]) * p[k];
+    const auto q = times(kShear, p);
     return {q[0], q[1], q[2]};
   }
 
@@ -76,24 +74,10 @@ class BoxScene : public Scene {
   static std::size_t wall_of(tetfmt::Index triangle) { return triangle / 2; }
 
  private:
-  using Matrix = std::array<std::array<int, 3>, 3>;
-  static constexpr Matrix kShear = {{{1, 2, 0}, {0, 1, -1}, {1, 2, 1}}};  // determinant 1
-  static constexpr Matrix kInverse = {{{3, -2, -2}, {-1, 1, 1}, {-1, 0, 1}}};
-  static Fixed times(const Matrix& m, const Fixed& p) {
-    Fixed q{};
-    for (std::size_t i = 0; i < 3; ++i) q[i] = m[i][0] * p[0] + m[i][1] * p[1] + m[i][2] * p[2];
-    return q;
-  }
   static tetfmt::Mesh make(int n, bool sheared, const LatticeOptions& options,
                            const std::vector<tetfmt::Index>& kept) {
     tetfmt::Mesh mesh = lattice_mesh(n, options);
-    if (sheared) {
-      for (tetfmt::Vec3f& v : mesh.vertices) {
-        const Fixed p = times(kShear, {static_cast<int>(v.x), static_cast<int>(v.y), static_cast<int>(v.z)});
-        v = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-      }
-    }
-    return with_regions(mesh, kept);
+    return with_regions(sheared ? tetfmt_test::sheared(mesh) : mesh, kept);
   }
 
   const bool sheared_;

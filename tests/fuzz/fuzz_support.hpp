@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// What the harnesses share: numbers from the fuzzer's bytes, and the end of a run where something is wrong.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+
+#include "tetfmt/traverse.hpp"
+
+namespace tetfmt_test {
+
+inline void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+/// Values from bytes, front to back; zeros once they are used up.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  bool empty() const { return bytes_.empty(); }
+  template <class T>
+  T take() {
+    T value{};
+    const std::size_t count = std::min(sizeof value, bytes_.size());
+    if (count != 0) std::memcpy(&value, bytes_.data(), count);
+    bytes_ = bytes_.subspan(count);
+    return value;
+  }
+  /// Any float at all, or one of the quarters from -2 to 8: places and directions where everything ties.
+  float take_float() {
+    const auto how = take<std::uint8_t>();
+    return how < 64 ? take<float>() : static_cast<float>(static_cast<int>(how % 41) - 8) / 4;
+  }
+  tetfmt::Vec3f take_vector() {
+    const float x = take_float(), y = take_float(), z = take_float();
+    return {x, y, z};
+  }
+  /// An end of an interval: any double at all, or a quarter from 0 to 15.
+  double take_end() {
+    const auto how = take<std::uint8_t>();
+    return how < 64 ? take<double>() : static_cast<double>(how % 61) / 4;
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+}  // namespace tetfmt_test
