@@ -21,6 +21,34 @@ Index below(std::mt19937& random, Index count) {
   return static_cast<Index>(random() % count);
 }
 
+/// Every operation of traverse.hpp from a place, and from both sides of the face that it sees first. Each
+/// ends within as many steps as there are tetrahedra, and one more.
+void ask_everything(const FileView& view, const tetfmt::Location& from, const tetfmt::Location& other,
+                    const Vec3f& direction) {
+  const std::uint64_t cap = std::uint64_t{view.tet_count()} + 1;
+  const tetfmt::Hit first = tetfmt::first_hit(view, from, direction);
+  for (const tetfmt::Location& place :
+       {from, tetfmt::near_side(view, first), tetfmt::far_side(view, first)}) {
+    for (const tetfmt::Interval& interval :
+         {tetfmt::Interval{}, tetfmt::Interval{0, 0.5}, tetfmt::Interval{0.25, 1e300}}) {
+      ASSERT_LE(tetfmt::first_hit(view, place, direction, interval).steps, cap);
+      (void)tetfmt::occlusion(view, place, direction, interval);
+      std::vector<tetfmt::Hit> hits;
+      (void)tetfmt::all_hits(view, place, direction, hits, interval);
+      ASSERT_LE(hits.size(), cap);
+      for (const tetfmt::Hit& hit : hits) {
+        ASSERT_EQ(hit.outcome, tetfmt::Outcome::hit);
+        ASSERT_LE(hit.steps, cap);
+        ASSERT_LT(hit.side, view.sides().size());
+        ASSERT_LT(hit.tet, view.tet_count());
+        (void)view.region_of(hit.neighbor);
+      }
+    }
+    (void)tetfmt::occlusion(view, place, other);
+    (void)tetfmt::occlusion(view, other, place);
+  }
+}
+
 /// Everything that may be done with bytes that nobody has checked.
 void use_untrusted(const Bytes& bytes, std::mt19937& random) {
   (void)tetfmt::validate(bytes);
@@ -30,6 +58,7 @@ void use_untrusted(const Bytes& bytes, std::mt19937& random) {
 
   std::uniform_real_distribution<float> inside(-0.2f, 1.0f);
   const std::uint64_t cap = std::uint64_t{view->tet_count()} + 1;
+  tetfmt::Location before;
   for (int i = 0; i < 8; ++i) {
     const Vec3f point{inside(random), inside(random), inside(random)};
     const Vec3f direction{inside(random) - 0.4f, inside(random) - 0.4f, inside(random) - 0.4f};
@@ -42,6 +71,8 @@ void use_untrusted(const Bytes& bytes, std::mt19937& random) {
         ASSERT_LT(hit.tet, view->tet_count());
       }
     }
+    ask_everything(*view, start, before, direction);
+    before = start;
   }
 }
 
@@ -181,6 +212,26 @@ Bytes trap(Layout layout) {
   return tetfmt::encode(mesh, layout);
 }
 
+/// The same through constrained faces: every face of a cell is one side, and beyond its twin is the other
+/// cell.
+Bytes trap_of_sides(Layout layout) {
+  tetfmt::Mesh mesh = two_tets();
+  mesh.tets[0].neighbors.fill(tetfmt::side_ref(1));
+  mesh.tets[1].neighbors.fill(tetfmt::side_ref(0));
+  return tetfmt::encode(mesh, layout);
+}
+
+/// In the second cell, where every walk is caught.
+tetfmt::Location in_the_trap(tetfmt::Ref out) {
+  tetfmt::Location start;
+  start.state = tetfmt::Location::State::inside;
+  start.position = {0.25, 0.25, -0.5};
+  start.cell = {1, {0, 2, 3, 4}, {out, out, out, out}};
+  return start;
+}
+
+constexpr Vec3f kDirections[] = {{0, 0, 1}, {0, 0, -1}, {1, 0.25f, 0.5f}, {-1, 2, -0.125f}};
+
 TEST(Hostile, CyclesEnd) {
   std::mt19937 random(8);
   for (const Layout layout : kLayouts) {
@@ -192,18 +243,47 @@ TEST(Hostile, CyclesEnd) {
     ASSERT_TRUE(view);
     EXPECT_FALSE(tetfmt::reconstruct(*view));
     EXPECT_FALSE(tetfmt::validate(bytes).valid());
-    for (const Vec3f direction : {Vec3f{0, 0, 1}, {0, 0, -1}, {1, 0.25f, 0.5f}, {-1, 2, -0.125f}}) {
-      tetfmt::Location start;
-      start.state = tetfmt::Location::State::inside;
-      start.position = {0.25, 0.25, -0.5};
-      start.cell = {1, {0, 2, 3, 4}, {0, 0, 0, 0}};
+    const tetfmt::Location start = in_the_trap(0);
+    tetfmt::Location target = start;
+    target.state = tetfmt::Location::State::outside;
+    target.position = {100, 200, -300};
+    for (const Vec3f& direction : kDirections) {
       for (const auto kernel : {tetfmt::Kernel::exact, tetfmt::Kernel::float_only}) {
         const auto hit = tetfmt::first_hit(*view, start, direction, {}, kernel);
         EXPECT_EQ(hit.outcome, tetfmt::Outcome::corrupt);
         EXPECT_LE(hit.steps, 3u);
       }
+      std::vector<tetfmt::Hit> hits;
+      EXPECT_EQ(tetfmt::occlusion(*view, start, direction), tetfmt::Outcome::corrupt);
+      EXPECT_EQ(tetfmt::occlusion(*view, start, target), tetfmt::Outcome::corrupt);
+      EXPECT_EQ(tetfmt::all_hits(*view, start, direction, hits), tetfmt::Outcome::corrupt);
+      EXPECT_TRUE(hits.empty());
+      // What lies before the end of an interval may be all that was asked for; the cycle is no matter then.
+      EXPECT_NE(tetfmt::first_hit(*view, start, direction, {0, 1e-3}).outcome, tetfmt::Outcome::hit);
+      ask_everything(*view, start, target, direction);
     }
     EXPECT_EQ(tetfmt::locate(*view, {100, 100, 100}).state, tetfmt::Location::State::corrupt);
+  }
+}
+
+TEST(Hostile, CyclesThroughConstrainedFacesEnd) {
+  std::mt19937 random(8);
+  for (const Layout layout : kLayouts) {
+    const Bytes bytes = trap_of_sides(layout);
+    use_untrusted(bytes, random);
+    const auto view = FileView::open(bytes);
+    ASSERT_TRUE(view);
+    EXPECT_FALSE(tetfmt::validate(bytes).valid());
+    const tetfmt::Location start = in_the_trap(tetfmt::side_ref(0));
+    for (const Vec3f& direction : kDirections) {
+      std::vector<tetfmt::Hit> hits;
+      EXPECT_EQ(tetfmt::all_hits(*view, start, direction, hits), tetfmt::Outcome::corrupt);
+      EXPECT_LE(hits.size(), 3u);  // one a step
+      // Passes through all faces before t_min, of which there is no end.
+      EXPECT_EQ(tetfmt::first_hit(*view, start, direction, {1e300, 2e300}).outcome, tetfmt::Outcome::corrupt);
+      EXPECT_EQ(tetfmt::occlusion(*view, start, direction, {1e300, 2e300}), tetfmt::Outcome::corrupt);
+      ask_everything(*view, start, start, direction);
+    }
   }
 }
 
