@@ -64,7 +64,9 @@ struct Scene {
   Background background;
   std::optional<AmbientOcclusion> ambient;
   int light_samples = 1, max_bounces = 12;
-  bool has_glass = false;  ///< else nothing of refraction is computed
+  /// Else nothing of refraction is computed. A switch at run time: an integrator compiled without glass made
+  /// no ray of an opaque scene measurably faster (834 and 858 ns, the fastest of six runs each).
+  bool has_glass = false;
   std::vector<std::unique_ptr<Texture>> textures;
   std::vector<std::string> warnings;
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: AGPL-3.0-or-later
 # The example scenes: takes meshes from Debian's libcgal-demo (or makes some), places them in rooms, converts,
-# traces. Needs nothing but a built `tet`. Everything it makes is in FOLDER.
+# traces. Needs nothing but a built `tet`, and minutes (less with --samples 4). Everything it makes is in FOLDER.
 #
 #   tools/trace/scenes/make.sh [TET [FOLDER [TRACE_OPTION...]]]     (build/release/tools/tet/tet, build/scenes)
 set -euo pipefail
@@ -76,7 +76,7 @@ place rainbow "$out/knot.off" height=1.1 x=-0.55 z=-0.1 lift=0.002 rainbow=1 tur
 place elephant "$(mesh elephant torus-knot)" height=0.85 x=0.15 z=0.8 lift=0.002 turn=60
 {
   echo 'mtllib room.mtl'
-  quad plain -7 0 -7 -7 0 7 7 0 7 7 0 -7
+  quad plain -40 0 -40 -40 0 40 40 0 40 40 0 -40
   quad dark -1.9 0.05 -1.2 1.9 0.05 -1.2 1.9 1.75 -1.2 -1.9 1.75 -1.2
 } >"$out/mirror-room.obj"
 make mirror "$out/mirror-room.obj" "$out/sphere.obj" "$out/rainbow.obj" "$out/elephant.obj"
@@ -85,7 +85,7 @@ make mirror "$out/mirror-room.obj" "$out/sphere.obj" "$out/rainbow.obj" "$out/el
 place dragon "$(mesh ChineseDragon-10kv torus-knot)" height=1 lift=0.002 turn=25
 {
   echo 'mtllib room.mtl'
-  quad plain -9 0 -9 -9 0 9 9 0 9 9 0 -9
+  quad plain -40 0 -40 -40 0 40 40 0 40 40 0 -40
 } >"$out/floor.obj"
 make occlusion "$out/floor.obj" "$out/dragon.obj"
 echo "The pictures: $out/{glass,mirror,occlusion}.png"
