@@ -2,7 +2,7 @@
 # What the scripts need from Debian 12, and how they get it. Sourced by tools/demo.sh, tests/run.sh, .ci/run.
 
 build_packages=(g++ cmake ninja-build ccache
-  libboost-dev libxxhash-dev                                              # the library
+  libboost-dev libxxhash-dev libhwy-dev                                   # the library
   libcgal-dev libtet1.5-dev libdraco-dev libopenmesh-dev libtinygltf-dev    # the converter
   libcli11-dev nlohmann-json3-dev libpng-dev libopenexr-dev libtbb-dev    # the tet command
   libcgal-demo)                                                           # real meshes

@@ -42,43 +42,68 @@ Vec3d lift_of(const FileView& view, const Location& from) {
   return lift;
 }
 
-void describe_hit(const FileView& view, const Line& line, const Leaving& leaving, Hit& hit) {
-  hit.outcome = Outcome::corrupt;
+FaceMet face_met(const FileView& view, const Leaving& leaving) {
+  FaceMet face;
   const auto sides = view.sides();
   const Index side = side_index(leaving.ref);
-  if (side >= sides.size() || twin(side) >= sides.size()) return;
+  if (side >= sides.size() || twin(side) >= sides.size()) return face;
   const Index piece = sides[side].triangle;
-  if (piece >= view.triangles().size()) return;
-  const auto& corner = view.triangles()[piece].vertices;
-  const auto points = view.vertices();
-  if (std::max({corner[0], corner[1], corner[2]}) >= points.size()) return;
-
-  TrianglePoint at =
-      intersect(line.origin.point, line.direction, points[corner[0]], points[corner[1]], points[corner[2]]);
-  hit.side_u = at.u;
-  hit.side_v = at.v;
-  hit.triangle = piece;
+  if (piece >= view.triangles().size()) return face;
+  const auto exist = [count = view.vertices().size()](const Triangle& triangle) {
+    const auto& v = triangle.vertices;
+    return std::max({v[0], v[1], v[2]}) < count;
+  };
+  face.piece = face.whole = &view.triangles()[piece];
+  face.triangle = piece;
+  if (!exist(*face.piece)) return face;
   if (!view.origins().empty()) {
-    if (piece >= view.origins().size()) return;
-    hit.triangle = view.origins()[piece];
-    if (hit.triangle >= view.input_triangles().size()) return;
-    const auto& whole = view.input_triangles()[hit.triangle].vertices;
-    if (std::max({whole[0], whole[1], whole[2]}) >= points.size()) {
-      at.u = at.v = std::numeric_limits<double>::quiet_NaN();  // its corners are not all in the file
-    } else if (whole != corner) {
-      at = from_piece(at, {points[corner[0]], points[corner[1]], points[corner[2]]},
-                      {points[whole[0]], points[whole[1]], points[whole[2]]});
-    }
+    if (piece >= view.origins().size()) return face;
+    face.triangle = view.origins()[piece];
+    if (face.triangle >= view.input_triangles().size()) return face;
+    face.whole = &view.input_triangles()[face.triangle];
+    if (!exist(*face.whole)) face.whole = nullptr;
   }
+  face.side = side;
+  face.neighbor = sides[twin(side)].tet;
+  return face;
+}
+
+void describe_hit(const FileView& view, const FaceMet& face, const Leaving& leaving, const TrianglePoint& at,
+                  Hit& hit) {
   hit.outcome = Outcome::hit;
-  hit.back = side % 2 == 1;
+  hit.back = face.side % 2 == 1;
+  hit.triangle = face.triangle;
   hit.t = at.t;
-  hit.u = at.u;
-  hit.v = at.v;
-  hit.side = side;
+  hit.u = hit.side_u = at.u;
+  hit.v = hit.side_v = at.v;
+  hit.side = face.side;
   hit.tet = leaving.tet;
-  hit.neighbor = sides[twin(side)].tet;
+  hit.neighbor = face.neighbor;
   hit.face = leaving.ids;
+  if (face.whole == face.piece) return;
+  if (!face.whole) {
+    hit.u = hit.v = std::numeric_limits<double>::quiet_NaN();
+  } else if (face.whole->vertices != face.piece->vertices) {
+    const auto corners = [&](const Triangle& triangle) {
+      const auto& v = triangle.vertices;
+      return std::array{view.vertices()[v[0]], view.vertices()[v[1]], view.vertices()[v[2]]};
+    };
+    const TrianglePoint above = from_piece(at, corners(*face.piece), corners(*face.whole));
+    hit.u = above.u;
+    hit.v = above.v;
+  }
+}
+
+void describe_hit(const FileView& view, const Line& line, const Leaving& leaving, Hit& hit) {
+  const FaceMet face = face_met(view, leaving);
+  if (face.side == kNone) {
+    hit.outcome = Outcome::corrupt;
+    return;
+  }
+  const auto points = view.vertices();
+  const auto& v = face.piece->vertices;
+  describe_hit(view, face, leaving,
+               intersect(line.origin.point, line.direction, points[v[0]], points[v[1]], points[v[2]]), hit);
 }
 
 }  // namespace tetfmt::detail

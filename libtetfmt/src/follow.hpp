@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "intersect.hpp"
 #include "tetfmt/traverse.hpp"
 #include "walk.hpp"
 
@@ -17,8 +18,19 @@ bool may_meet(const Bounds& bounds, const Line& line);
 /// An infinitesimal from the face that `from` is on into its cell; zero if it is on none.
 Vec3d lift_of(const FileView& view, const Location& from);
 
-/// Fills in what a constrained face says of a hit, all but `steps`. Outcome::corrupt if an index does not
-/// exist.
+/// A constrained face, and what it says of every hit on it.
+struct FaceMet {
+  Index side = kNone;  ///< kNone: an index does not exist
+  Index neighbor = kNone, triangle = kNone;
+  const Triangle* piece = nullptr;  ///< the side's own triangle
+  const Triangle* whole = nullptr;  ///< the input triangle; null if the file does not hold all of its corners
+};
+FaceMet face_met(const FileView& view, const Leaving& leaving);
+
+/// Fills in a hit, all but `steps`.
+void describe_hit(const FileView& view, const FaceMet& face, const Leaving& leaving, const TrianglePoint& at,
+                  Hit& hit);
+/// The same for one ray: Outcome::corrupt if an index does not exist.
 void describe_hit(const FileView& view, const Line& line, const Leaving& leaving, Hit& hit);
 
 inline bool is_finite(const Vec3d& v) {

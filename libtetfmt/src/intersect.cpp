@@ -122,8 +122,8 @@ TrianglePoint from_piece(const TrianglePoint& at, const std::array<Vec3f, 3>& pi
 namespace {
 
 template <class Product>
-[[gnu::always_inline]] inline TrianglePoint intersect_by(const Vec3d& o, const Vec3d& d, const Vec3f& a,
-                                                         const Vec3f& b, const Vec3f& c) {
+[[gnu::always_inline]] inline TriangleFrom triangle_by(const Vec3d& o, const Vec3f& a, const Vec3f& b,
+                                                       const Vec3f& c) {
   Vec to_a, rest;
   for (std::size_t k = 0; k < 3; ++k) {
     const Sum difference = Sum::of(vec(a)[k], -o[k]);
@@ -132,22 +132,27 @@ template <class Product>
   }
   const Vec ab = vec(b) - vec(a), ac = vec(c) - vec(a);
   const Vec n = cross(ab, ac);
-  const double along = accurate_dot<Product>(n, d, {});
+  return {n, cross(ac, to_a), cross(to_a, ab), accurate_dot<Product>(n, to_a, rest), dot(n, n)};
+}
+
+template <class Product>
+[[gnu::always_inline]] inline TrianglePoint intersect_by(const Vec3d& o, const Vec3d& d, const Vec3f& a,
+                                                         const Vec3f& b, const Vec3f& c) {
+  const TriangleFrom triangle = triangle_by<Product>(o, a, b, c);
+  const double along = accurate_dot<Product>(triangle.normal, d, {});
   TrianglePoint point;
-  // An angle of less than a fifth of a second of arc. (Squares of products of float32 values neither overflow
-  // nor underflow in double precision.)
-  if (along * along <= 1e-12 * (dot(n, n) * dot(d, d))) {
-    point = graze({to_a, vec(b) - o, vec(c) - o}, d, n);
+  // (Squares of products of float32 values neither overflow nor underflow in double precision.)
+  if (along * along <= kGrazing2 * (triangle.normal2 * dot(d, d))) {
+    point = graze({vec(a) - o, vec(b) - o, vec(c) - o}, d, triangle.normal);
   } else {
     // Moeller and Trumbore (1997), arranged so that t comes from the normal, which is exact.
-    const Vec moment = cross(d, to_a);
-    point.t = accurate_dot<Product>(n, to_a, rest) / along;
-    point.u = -dot(moment, ac) / along;
-    point.v = dot(moment, ab) / along;
+    point.t = triangle.height / along;
+    point.u = dot(triangle.for_u, d) / along;
+    point.v = dot(triangle.for_v, d) / along;
   }
-  point.t = std::max(point.t, 0.0);
-  point.u = std::clamp(point.u, 0.0, 1.0);
-  point.v = std::clamp(point.v, 0.0, 1.0 - point.u);
+  point.t = std::max(point.t, 0.0) + 0.0;  // a sum that turns -0 into 0
+  point.u = std::clamp(point.u, 0.0, 1.0) + 0.0;
+  point.v = std::clamp(point.v, 0.0, 1.0 - point.u) + 0.0;
   return point;
 }
 
@@ -164,19 +169,32 @@ namespace {
                                                      const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return intersect_by<FusedProduct>(origin, direction, a, b, c);
 }
+[[gnu::target("fma")]] TriangleFrom triangle_fused(const Vec3d& origin, const Vec3f& a, const Vec3f& b,
+                                                   const Vec3f& c) {
+  return triangle_by<FusedProduct>(origin, a, b, c);
+}
+const bool kFused = __builtin_cpu_supports("fma");
 }  // namespace
 
+TriangleFrom triangle_from(const Vec3d& origin, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  return kFused ? triangle_fused(origin, a, b, c) : triangle_by<SplitProduct>(origin, a, b, c);
+}
 TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c) {
-  static const bool fused = __builtin_cpu_supports("fma");
-  return fused ? intersect_fused(origin, direction, a, b, c) : intersect_split(origin, direction, a, b, c);
+  return kFused ? intersect_fused(origin, direction, a, b, c) : intersect_split(origin, direction, a, b, c);
 }
 #elif defined(__FP_FAST_FMA)
+TriangleFrom triangle_from(const Vec3d& origin, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  return triangle_by<FusedProduct>(origin, a, b, c);
+}
 TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c) {
   return intersect_by<FusedProduct>(origin, direction, a, b, c);
 }
 #else
+TriangleFrom triangle_from(const Vec3d& origin, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  return triangle_by<SplitProduct>(origin, a, b, c);
+}
 TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c) {
   return intersect_split(origin, direction, a, b, c);

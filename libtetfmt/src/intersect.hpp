@@ -26,6 +26,19 @@ TrianglePoint intersect(const Vec3d& origin, const Vec3d& direction, const Vec3f
 TrianglePoint intersect_split(const Vec3d& origin, const Vec3d& direction, const Vec3f& a, const Vec3f& b,
                               const Vec3f& c);
 
+/// What of intersect() does not depend on the direction.
+struct TriangleFrom {
+  Vec3d normal;        ///< (b - a) x (c - a), exact for corners on a common grid of 24 bits
+  Vec3d for_u, for_v;  ///< their products with a direction, over normal . direction, are u and v
+  double height;       ///< normal . (a - origin), rounded once: t is this over normal . direction
+  double normal2;      ///< normal . normal
+};
+TriangleFrom triangle_from(const Vec3d& origin, const Vec3f& a, const Vec3f& b, const Vec3f& c);
+
+/// Where (normal . direction)^2 is at most this times normal^2 direction^2, t is found another way: an angle
+/// of less than a fifth of a second of arc.
+inline constexpr double kGrazing2 = 1e-12;
+
 /// The same point with the weights of the triangle that `piece` was cut from. The piece's corners may be off
 /// that triangle by a rounding to the grid; the point goes straight onto it, along its main axis.
 TrianglePoint from_piece(const TrianglePoint& at, const std::array<Vec3f, 3>& piece,

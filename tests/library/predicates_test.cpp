@@ -142,7 +142,7 @@ TEST_F(Predicates, BehindEqualsTheDeterminantAfterPerturbation) {
 TEST_F(Predicates, BehindAlongALineEqualsTheDeterminantAfterPerturbation) {
   std::uniform_int_distribution<int> quarters(-8, 8);
   int ties = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     std::array<Index, 3> id = {0, 1, 2};
     std::shuffle(id.begin(), id.end(), random_);
     const Corner a = {point(), id[0]}, b = {point(), id[1]}, c = {point(), id[2]};
@@ -163,7 +163,7 @@ TEST_F(Predicates, BehindAlongALineEqualsTheDeterminantAfterPerturbation) {
     for (std::size_t k = 0; k < 3; ++k) plain[k] += vector(line.direction)[k] * t / 4;
     ties += determinant(minus(plain_a, plain), minus(plain_b, plain), minus(plain_c, plain)) == 0;
   }
-  EXPECT_GT(ties, 300);
+  EXPECT_GT(ties, 100);
 }
 
 TEST_F(Predicates, BehindAlongALineForAnyDoubles) {

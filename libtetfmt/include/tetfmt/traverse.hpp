@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "tetfmt/types.hpp"
@@ -111,6 +112,16 @@ Hit first_hit(const FileView& view, const Location& from, Vec3f direction, const
               Kernel kernel = Kernel::exact);
 Hit first_hit(const TrustedView& view, const Location& from, Vec3f direction, const Interval& interval = {},
               Kernel kernel = Kernel::exact);
+
+/// First hits of many rays from one place: each as first_hit has it, to the last bit, but for Hit::steps,
+/// which stays 0. Rays are walked together, 256 at a time: several times faster where neighbours in
+/// `directions` are close, best in blocks of 16 (4 x 4 pixels) and these in squares (4 x 4 blocks). Vector
+/// instructions are chosen at run time. `hits` must have the size of `directions`. Returns the number of
+/// tetrahedra visited, each counted once for all rays that were in it together.
+std::uint64_t first_hits(const FileView& view, const Location& from, std::span<const Vec3f> directions,
+                         std::span<Hit> hits);
+std::uint64_t first_hits(const TrustedView& view, const Location& from, std::span<const Vec3f> directions,
+                         std::span<Hit> hits);
 
 /// Whether anything is in the way: Outcome::hit or miss (or corrupt, absent), without where.
 Outcome occlusion(const FileView& view, const Location& from, Vec3f direction, const Interval& interval = {});

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// Rays walked together against the same rays walked alone, for every kind of processor that this one can
+// stand for.
+#include "tile.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "support/lattice_mesh.hpp"
+#include "tetfmt/encode.hpp"
+#include "tetfmt/traverse.hpp"
+
+namespace {
+
+using namespace tetfmt;
+using tetfmt::detail::kTileRays;
+using tetfmt::detail::tile_targets;
+
+struct Scene {
+  explicit Scene(const Mesh& mesh, Layout layout)
+      : bytes(encode(mesh, layout)), view(*FileView::open(bytes)), trusted(*TrustedView::validated(bytes)) {}
+  std::vector<std::byte> bytes;
+  FileView view;
+  TrustedView trusted;
+};
+
+bool same(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+/// All fields but steps.
+void expect_same(const Hit& tile, const Hit& alone) {
+  ASSERT_EQ(tile.outcome, alone.outcome);
+  ASSERT_EQ(tile.back, alone.back);
+  ASSERT_EQ(tile.triangle, alone.triangle);
+  ASSERT_EQ(tile.side, alone.side);
+  ASSERT_EQ(tile.tet, alone.tet);
+  ASSERT_EQ(tile.neighbor, alone.neighbor);
+  ASSERT_TRUE(same(tile.t, alone.t) && same(tile.u, alone.u) && same(tile.v, alone.v));
+  ASSERT_TRUE(same(tile.side_u, alone.side_u) && same(tile.side_v, alone.side_v));
+  ASSERT_EQ(tile.steps, 0u);
+}
+
+void expect_all_same(const Scene& scene, const Location& from, const std::vector<Vec3f>& directions) {
+  Hit used;  // what an earlier tile may have left behind
+  used.outcome = Outcome::hit;
+  used.side = 7;
+  used.steps = 9;
+  for (const auto& target : tile_targets()) {
+    for (const auto trace : {target.checked, target.unchecked}) {
+      std::vector<Hit> hits(directions.size(), used);
+      trace(scene.view, from, directions, hits);
+      for (std::size_t i = 0; i < directions.size(); ++i) {
+        SCOPED_TRACE(target.name);
+        expect_same(hits[i], first_hit(scene.trusted, from, directions[i]));
+        if (testing::Test::HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+/// Rays of integer directions from integer, half and odd places: they meet edges and vertices everywhere.
+TEST(Tile, EqualsFirstHitOnLattices) {
+  std::mt19937 random(3);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  int hits = 0;
+  for (const Layout layout : {Layout::tet20, Layout::tet16}) {
+    const Scene scene(tetfmt_test::lattice_mesh(5), layout);
+    for (int i = 0; i < 120; ++i) {
+      const auto one = [&] {
+        return static_cast<float>(below(33) - 8) / (i % 3 == 0 ? 4.0f : i % 3 == 1 ? 2.0f : 1.0f);
+      };
+      const Location from = locate(scene.view, {one(), one(), one()});
+      std::vector<Vec3f> directions;
+      const auto count = static_cast<std::size_t>(i % 4 == 0 ? kTileRays : 1 + random() % kTileRays);
+      while (directions.size() < count) {
+        const auto step = [&] { return static_cast<float>(below(9) - 4); };
+        const Vec3f d = {step(), step(), step()};
+        if (d != Vec3f{}) directions.push_back(d);
+      }
+      expect_all_same(scene, from, directions);
+      if (HasFatalFailure()) return;
+      for (const Vec3f& d : directions) hits += first_hit(scene.view, from, d).outcome == Outcome::hit;
+    }
+  }
+  EXPECT_GT(hits, 1500);
+}
+
+/// A camera's tiles, where whole blocks are on one side of most edges.
+TEST(Tile, EqualsFirstHitOnPictures) {
+  const Scene scene(tetfmt_test::lattice_mesh(6), Layout::tet20);
+  for (const Vec3f eye : {Vec3f{3, 3, -9}, {3.25f, 2.5f, 0.5f}, {3, 3, 3}, {-4000, 300, 20}}) {
+    const Location from = locate(scene.view, eye);
+    for (const float width : {1.0f, 0.05f, 1e-4f, 1e-7f}) {
+      std::vector<Vec3f> directions;
+      for (std::size_t i = 0; i < kTileRays; ++i) {
+        const std::size_t block = i / 16, pixel = i % 16;
+        const auto x = static_cast<float>(block % 4 * 4 + pixel % 4),
+                   y = static_cast<float>(block / 4 * 4 + pixel / 4);
+        directions.push_back({3.1f - eye.x + width * (x - 8), 2.9f - eye.y + width * (y - 8), 3.05f - eye.z});
+      }
+      expect_all_same(scene, from, directions);
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(Tile, StartsOnBothSidesOfFaces) {
+  const Scene scene(tetfmt_test::lattice_mesh(4), Layout::tet16);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(-1, 1);
+  for (int i = 0; i < 40; ++i) {
+    const Hit hit =
+        first_hit(scene.view, locate(scene.view, {-1, 2 + any(random) / 2, 2 + any(random) / 2}), {1, 0, 0});
+    ASSERT_EQ(hit.outcome, Outcome::hit);
+    std::vector<Vec3f> directions;
+    for (std::size_t k = 0; k < kTileRays; ++k) {
+      Vec3f d = {any(random), any(random), any(random)};
+      if (k % 4 == 0) d.x = 0;  // in the face's plane
+      directions.push_back(d);
+    }
+    expect_all_same(scene, near_side(scene.view, hit), directions);
+    expect_all_same(scene, far_side(scene.view, hit), directions);
+    if (HasFatalFailure()) return;
+  }
+}
+
+/// first_hits takes any number of any rays; those that no tile can take go alone.
+TEST(FirstHits, TakesWhatFirstHitTakes) {
+  const Scene scene(tetfmt_test::lattice_mesh(5), Layout::tet20);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> any(-1, 1);
+  const Location places[] = {locate(scene.view, {2.5f, 2.5f, 2.5f}), locate(scene.view, {9, 1, 2}),
+                             locate(scene.view, {kInfinity, 1, 2}), Location{}};
+  for (const std::size_t count :
+       {std::size_t{0}, std::size_t{1}, std::size_t{255}, std::size_t{257}, std::size_t{1000}}) {
+    std::vector<Vec3f> directions;
+    for (std::size_t i = 0; i < count; ++i) directions.push_back({any(random), any(random), any(random)});
+    if (count == 257) directions[3] = {0, 0, 0};
+    if (count == 1000) {
+      directions[300] = {std::numeric_limits<float>::quiet_NaN(), 1, 0};
+      directions[600] = {kInfinity, 1, 0};
+      directions[601] = {0x1p-140f, -0x1p-149f, 0};
+      directions[900] = {3e38f, -3e38f, 1};
+    }
+    for (const Location& from : places) {
+      std::vector<Hit> checked(count), trusted(count);
+      first_hits(scene.view, from, directions, checked);
+      first_hits(scene.trusted, from, directions, trusted);
+      for (std::size_t i = 0; i < count; ++i) {
+        const Hit alone = first_hit(scene.view, from, directions[i]);
+        expect_same(checked[i], alone);
+        expect_same(trusted[i], alone);
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(FirstHits, CountsSharedVisitsOnce) {
+  const Scene scene(tetfmt_test::lattice_mesh(6), Layout::tet20);
+  const Location from = locate(scene.view, {3, 3, -30});
+  const std::vector<Vec3f> directions(kTileRays, Vec3f{0.01f, 0.013f, 1});
+  std::vector<Hit> hits(kTileRays);
+  EXPECT_EQ(first_hits(scene.trusted, from, directions, hits),
+            first_hit(scene.trusted, from, directions[0]).steps);
+}
+
+}  // namespace
