@@ -45,7 +45,7 @@ Location walk_to(const FileView& view, const Cells& cells, const Cell& from, con
     for (std::size_t i = 0; i < 3; ++i)
       line.origin.point[i] += p[i] / 4;  // exact: grid coordinates have 25 bits
   }
-  line.toward = point;
+  line.toward.point = point;
   line.through_point = true;
   for (std::size_t i = 0; i < 3; ++i) line.direction[i] = point[i] - line.origin.point[i];
   if (line.direction == Vec3d{}) return located(from);

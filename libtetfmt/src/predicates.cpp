@@ -94,27 +94,30 @@ Integer determinant(const Matrix<Integer>& m) {
          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/// What of a determinant moves, and by which infinitesimals.
+/// How a determinant's rows move.
 struct Motion {
-  std::array<Index, 3> ids;  ///< the vertex whose motion row r follows; kNone: it does not move
-  Vec3d lift;                ///< rows of moving vertices are relative to a point that moves along this
+  std::array<Index, 3> ids;    ///< the vertex whose motion by the tie rule row r follows; kNone: none
+  std::array<Vec3d, 3> rates;  ///< per unit of the larger infinitesimal, by which places are lifted; integers
 };
 
-/// Sign of the determinant whose rows `lifted` are relative to the moved point: first as they stand, then by
-/// the rate at which that motion changes it. (To second order it does not: two rows would be the same.)
+/// Sign of the determinant after the lifts: of the first coefficient in powers of their infinitesimal that is
+/// not 0. The one of power n is the sum over all ways to put n rows' rates in the place of the rows.
 template <class Integer>
-int lifted_sign(const Matrix<Integer>& m, const std::array<bool, 3>& lifted, const Vec3d& lift) {
-  const auto sign = [](const Integer& value) { return (value > 0) - (value < 0); };
-  if (const int still = sign(determinant(m))) return still;
-  if (lift == Vec3d{}) return 0;
-  Integer rate = 0;
-  for (std::size_t r = 0; r < 3; ++r) {
-    if (!lifted[r]) continue;
-    Matrix<Integer> term = m;
-    for (std::size_t i = 0; i < 3; ++i) term[r][i] = static_cast<int>(-lift[i]);
-    rate += determinant(term);
+int lifted_sign(const Matrix<Integer>& m, const std::array<Vec3d, 3>& rates) {
+  for (int power = 0; power <= 3; ++power) {
+    Integer coefficient = 0;
+    for (unsigned rows = 0; rows < 8; ++rows) {
+      if (std::popcount(rows) != power) continue;
+      Matrix<Integer> term = m;
+      for (std::size_t r = 0; r < 3; ++r)
+        if (rows >> r & 1u)
+          for (std::size_t i = 0; i < 3; ++i) term[r][i] = static_cast<int>(rates[r][i]);
+      coefficient += determinant(term);
+    }
+    if (coefficient != 0) return coefficient > 0 ? 1 : -1;
+    if (rates == std::array<Vec3d, 3>{}) return 0;
   }
-  return sign(rate);
+  return 0;
 }
 
 /// Sign of the determinant after the motions. Expanded in powers of e, a term takes the unit vector j for
@@ -123,31 +126,29 @@ int lifted_sign(const Matrix<Integer>& m, const std::array<bool, 3>& lifted, con
 /// direction.
 template <class Integer>
 int perturbed_sign(const Matrix<Integer>& matrix, const Motion& motion, Decided& how) {
-  std::array<bool, 3> lifted{};
-  for (std::size_t r = 0; r < 3; ++r) lifted[r] = motion.ids[r] != kNone;
   how = Decided::by_integers;
-  if (const int sign = lifted_sign(matrix, lifted, motion.lift)) return sign;
+  if (const int sign = lifted_sign(matrix, motion.rates)) return sign;
   how = Decided::by_tie_rule;
   std::array<unsigned, 3> first_bit{};  // of each moving row: three bits a row, the smallest id lowest
   unsigned bit_count = 0;
   for (std::size_t r = 0; r < 3; ++r) {
-    if (!lifted[r]) continue;
+    if (motion.ids[r] == kNone) continue;
     bit_count += 3;
     for (const Index other : motion.ids) first_bit[r] += other < motion.ids[r] ? 3 : 0;
   }
   for (unsigned power = 1; power < 1u << bit_count; ++power) {
     Matrix<Integer> term = matrix;
-    std::array<bool, 3> still_lifted = lifted;
+    std::array<Vec3d, 3> rates = motion.rates;
     bool possible = true;
     for (std::size_t r = 0; r < 3 && possible; ++r) {
-      const unsigned bits = lifted[r] ? power >> first_bit[r] & 7u : 0;
+      const unsigned bits = motion.ids[r] == kNone ? 0 : power >> first_bit[r] & 7u;
       if (bits == 0) continue;
       possible = std::has_single_bit(bits);
       term[r] = {Integer(bits & 1u), Integer(bits >> 1 & 1u), Integer(bits >> 2 & 1u)};
-      still_lifted[r] = false;
+      rates[r] = {};
     }
     if (!possible) continue;
-    if (const int sign = lifted_sign(term, still_lifted, motion.lift)) return sign;
+    if (const int sign = lifted_sign(term, rates)) return sign;
   }
   return 0;
 }
@@ -177,17 +178,20 @@ Passing passes_left(const Line& line, const Corner& a, const Corner& b) {
   if (const int sign = certified_sign(line.direction, to_a, minus(pb, pa)))
     return {sign > 0, Decided::in_double};
 
-  const BitRange points = bit_range<3>({o, pa, pb});
-  const BitRange directions =
-      line.through_point ? bit_range<2>({o, line.toward}) : bit_range<1>({line.direction});
+  const Vec3d still{}, &lift = line.origin.lift, away = minus(still, lift);
+  BitRange points = bit_range<3>({o, pa, pb}), directions = bit_range<1>({line.direction});
+  if (line.through_point)
+    points = directions = bit_range<4>({o, pa, pb, line.toward.point});  // lifts in one unit
+  const Motion motion = {{kNone, a.id, b.id},
+                         {line.through_point ? minus(line.toward.lift, lift) : still, away, away}};
   Passing passing;
   const auto sign = [&]<class Integer>(Integer) {
     const Row<Integer> direction = line.through_point
-                                       ? difference<Integer>(line.toward, o, directions.lowest)
+                                       ? difference<Integer>(line.toward.point, o, directions.lowest)
                                        : to_integers<Integer>(line.direction, directions.lowest);
     return perturbed_sign<Integer>(
         {direction, difference<Integer>(pa, o, points.lowest), difference<Integer>(pb, o, points.lowest)},
-        {{kNone, a.id, b.id}, line.origin.lift}, passing.how);
+        motion, passing.how);
   };
   passing.left =
       (std::max(points.size(), directions.size()) < kNarrowBits ? sign(Narrow{}) : sign(Wide{})) > 0;
@@ -198,12 +202,13 @@ bool behind(const Corner& a, const Corner& b, const Corner& c, const Place& plac
   const Vec3d pa = to_vec3d(a.point), pb = to_vec3d(b.point), pc = to_vec3d(c.point), &p = place.point;
   if (const int sign = certified_sign(minus(pa, p), minus(pb, p), minus(pc, p))) return sign > 0;
   const BitRange range = bit_range<4>({pa, pb, pc, p});
+  const Vec3d away = minus({}, place.lift);
   const auto sign = [&]<class Integer>(Integer) {
     Decided how;
     return perturbed_sign<Integer>(
         {difference<Integer>(pa, p, range.lowest), difference<Integer>(pb, p, range.lowest),
          difference<Integer>(pc, p, range.lowest)},
-        {{a.id, b.id, c.id}, place.lift}, how);
+        {{a.id, b.id, c.id}, {away, away, away}}, how);
   };
   return (range.size() < kNarrowBits ? sign(Narrow{}) : sign(Wide{})) > 0;
 }
@@ -240,8 +245,9 @@ bool behind(const Corner& a, const Corner& b, const Corner& c, const Line& line,
                          difference<Widest>(pc, o, scale)};
   for (Row<Widest>& row : rows)
     for (std::size_t i = 0; i < 3; ++i) row[i] -= along[i];
+  const Vec3d away = minus({}, line.origin.lift);
   Decided how;
-  return perturbed_sign<Widest>(rows, {{a.id, b.id, c.id}, line.origin.lift}, how) > 0;
+  return perturbed_sign<Widest>(rows, {{a.id, b.id, c.id}, {away, away, away}}, how) > 0;
 }
 
 }  // namespace tetfmt::detail

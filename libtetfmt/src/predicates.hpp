@@ -28,11 +28,11 @@ struct Place {
   Vec3d lift{};  ///< zero, or 1 or -1 in one component
 };
 
-/// A directed line, exactly as given: either origin + t * direction, or from origin through a point.
+/// A directed line, exactly as given: either origin + t * direction, or from one place through another.
 struct Line {
   Place origin;
   Vec3d direction{};  ///< exact; or, with `through_point`, toward - origin as rounded to double
-  Vec3d toward{};     ///< only used with `through_point`
+  Place toward;       ///< only used with `through_point`
   bool through_point = false;
 };
 

@@ -129,7 +129,7 @@ Outcome occlusion_in(const FileView& view, const Location& from, const Location&
     if (place->state == Location::State::corrupt) return Outcome::corrupt;
   if (from.state == Location::State::absent) return Outcome::absent;
   Line line = line_from(view, from, {});
-  line.toward = to.position;
+  line.toward = {to.position, lift_of(view, to)};
   line.through_point = true;
   for (std::size_t i = 0; i < 3; ++i) line.direction[i] = to.position[i] - from.position[i];
   if (!is_finite(line.direction)) return Outcome::miss;
@@ -142,21 +142,17 @@ Outcome occlusion_in(const FileView& view, const Location& from, const Location&
   }
 
   const Index target = to.state == Location::State::inside ? to.cell.tet : kNone;
-  const Place end{to.position, lift_of(view, to)};
   const auto vertices = view.vertices();
-  bool arrived = false, late = false;
-  const auto reached = [&](const Leaving& leaving) { return arrived = leaving.ref == target; };
+  bool late = false;
+  const auto reached = [&](const Leaving& leaving) { return leaving.ref == target; };
   const auto at_face = [&](const Leaving& at) {
     const auto corner = [&](std::size_t k) { return Corner{vertices[at.ids[k]], at.ids[k]}; };
-    late = behind(corner(0), corner(1), corner(2), end);
+    late = behind(corner(0), corner(1), corner(2), line.toward);
     return true;
   };
   return with_cells(view, [&](const auto& cells) {
     const Signs signs(line, view.bounds(), vertices, {});
     const Outcome outcome = follow<kChecked>(view, cells, line, from, signs, signs, reached, at_face).outcome;
-    // A line that gets past a side of a face without arriving in front of it runs in its plane, behind it.
-    const bool passed = late || outcome == Outcome::miss;
-    if (passed && !arrived && to.face != Location::kNoFace) return Outcome::hit;
     return late ? Outcome::miss : outcome;
   });
 }

@@ -33,10 +33,10 @@ Vector perturbed(const Corner& corner) {
   return v;
 }
 
-/// The infinitesimal of a lift is 2^-32: far larger than e, and its square meets no coefficient.
+/// The infinitesimal of a lift is 2^-16: its third power is far larger than e, and no power meets a coefficient.
 Vector lifted(const Place& place) {
   Vector v = vector(place.point);
-  for (std::size_t j = 0; j < 3; ++j) v[j] += Integer(static_cast<int>(place.lift[j])) << (kUnit - 32);
+  for (std::size_t j = 0; j < 3; ++j) v[j] += Integer(static_cast<int>(place.lift[j])) << (kUnit - 16);
   return v;
 }
 
@@ -95,8 +95,8 @@ TEST_F(Predicates, ALineThroughAPointIsTheLineOfThatDirection) {
     Line line;
     line.origin.point = {o.x, o.y, o.z};
     for (std::size_t k = 0; k < 3; ++k) line.origin.point[k] /= 4;
-    line.toward = {q.x, q.y, q.z};
-    for (std::size_t k = 0; k < 3; ++k) line.direction[k] = line.toward[k] - line.origin.point[k];
+    line.toward.point = {q.x, q.y, q.z};
+    for (std::size_t k = 0; k < 3; ++k) line.direction[k] = line.toward.point[k] - line.origin.point[k];
     if (line.direction == Vec3d{}) continue;
     Line through = line;
     through.through_point = true;
@@ -106,12 +106,37 @@ TEST_F(Predicates, ALineThroughAPointIsTheLineOfThatDirection) {
   }
 }
 
+/// A line from one lifted place to another turns with both of them.
+TEST_F(Predicates, ALineBetweenPlacesFollowsTheirLifts) {
+  int ties = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3f o = point(), q = point();
+    Line line;
+    line.origin = {{o.x / 4, o.y / 4, o.z / 4}, lift()};
+    line.toward = {{q.x, q.y, q.z}, lift()};
+    line.through_point = true;
+    for (std::size_t k = 0; k < 3; ++k) line.direction[k] = line.toward.point[k] - line.origin.point[k];
+    if (line.direction == Vec3d{}) continue;
+    const Corner a = {point(), static_cast<Index>(i % 2)}, b = {point(), static_cast<Index>(1 - i % 2)};
+    const Vector origin = lifted(line.origin);
+    const Integer exact = determinant(minus(lifted(line.toward), origin), minus(perturbed(a), origin),
+                                      minus(perturbed(b), origin));
+    ASSERT_NE(exact, 0);
+    ASSERT_EQ(passes_left(line, a, b).left, exact > 0);
+    ASSERT_EQ(passes_left(line, b, a).left, exact < 0);
+    ties += determinant(minus(vector(line.toward.point), vector(line.origin.point)),
+                        minus(vector(a.point), vector(line.origin.point)),
+                        minus(vector(b.point), vector(line.origin.point))) == 0;
+  }
+  EXPECT_GT(ties, 300);
+}
+
 /// The direction (2^-60 - 1, 1, 0) rounds to (-1, 1, 0), in whose plane with the edge everything would tie.
 TEST_F(Predicates, ALineThroughAPointKeepsWhatItsRoundedDirectionLoses) {
   for (const double bit : {0x1p-60, -0x1p-60}) {
     Line line;
     line.origin.point = {1, 0, 0};
-    line.toward = {bit, 1, 0};
+    line.toward.point = {bit, 1, 0};
     line.direction = {-1, 1, 0};
     line.through_point = true;
     for (const Index first : {1u, 9u}) {
