@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
+// The benchmarks of `tet bench`, one file each; stress.hpp is the largest and has its own header.
 #pragma once
 
 #include <memory>
@@ -23,9 +24,9 @@ class Tracer {
   virtual void trace(std::span<const tetfmt::Ray> rays, Answers& answers) const = 0;
 };
 
-/// Embree's rtcIntersect1 over the file's input triangles, high build quality, single thread; nothing where
-/// Embree is not built in.
-std::unique_ptr<Tracer> make_embree(const tetfmt::FileView& view);
+/// Embree's rtcIntersect1 over the file's input triangles, high build quality; `robust` is the scene flag of
+/// that name. Nothing where Embree is not built in. Any thread may trace.
+std::unique_ptr<Tracer> make_embree(const tetfmt::FileView& view, bool robust = false);
 
 struct CameraSeries {
   int size = 500;             ///< width and height of each view, in rays
@@ -34,11 +35,11 @@ struct CameraSeries {
 };
 
 /// Camera rays at seven distances from the surface, each tracer in turn, `repeats` times.
-/// `other` is the same mesh in the other layout, or null. Prints a table.
+/// `other` is the same mesh in the other layout, or null. Writes a table to standard output.
 void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other,
                    const CameraSeries& options);
 
-/// Opening and validating the file at `path`, `repeats` times. Prints a table.
+/// Opening and validating the file at `path`, `repeats` times. Writes a table to standard output.
 void file_costs(const std::string& path, int repeats);
 
 }  // namespace tetbench

@@ -5,19 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "bench/bench.hpp"
 #include "bench/statistics.hpp"
+#include "bench/text.hpp"
+#include "common/output.hpp"
 
 namespace tetbench {
-
-#ifndef TETFMT_HAVE_EMBREE
-std::unique_ptr<Tracer> make_embree(const tetfmt::FileView&) {
-  return nullptr;
-}
-#endif
 
 namespace {
 
@@ -60,6 +55,11 @@ Bounds surface_bounds(const tetfmt::FileView& view) {
   return bounds;
 }
 
+template <class... Values>
+void print(const char* pattern, Values... values) {
+  tetprep::Output::standard().write(format(pattern, values...));
+}
+
 /// In square tiles, as renderers shoot them.
 constexpr int kTile = 16;
 
@@ -97,7 +97,7 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
   if (auto embree = make_embree(view.view())) {
     tracers.push_back(std::move(embree));
   } else {
-    std::printf("built without Embree: no ratios to it\n");
+    print("built without Embree: no ratios to it\n");
   }
   const bool has_peer = tracers.back()->name().starts_with("Embree");
   const OurTracer& exact =
@@ -111,7 +111,7 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
   if (front.outcome == tetfmt::Outcome::hit)
     distances.push_back(16.5f - static_cast<float>(front.t) / unit + 0.01f);
 
-  std::printf(
+  print(
       "%d x %d rays a view, one thread, %d repeats in turn; ns a ray, processor time, median (lowest .. "
       "highest)\n",
       size, size, repeats);
@@ -127,16 +127,16 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
 
     const auto hits =
         std::count_if(answers[1].begin(), answers[1].end(), [](auto id) { return id != tetfmt::kNone; });
-    std::printf("\ndistance %.2f: %.1f tets a ray, %.1f %% of the rays hit\n", static_cast<double>(distance),
-                exact.mean_steps(rays), 100.0 * static_cast<double>(hits) / static_cast<double>(rays.size()));
+    print("\ndistance %.2f: %.1f tets a ray, %.1f %% of the rays hit\n", static_cast<double>(distance),
+          exact.mean_steps(rays), 100.0 * static_cast<double>(hits) / static_cast<double>(rays.size()));
     for (std::size_t i = 0; i < tracers.size(); ++i) {
       std::size_t different = 0;
       for (std::size_t k = 0; k < rays.size(); ++k) different += answers[i][k] != answers[1][k];
-      std::printf("  %-22s %-28s", tracers[i]->name().c_str(), text(summarize(times[i]), 0).c_str());
-      if (has_peer) std::printf(" / Embree %-22s", text(ratio(times[i], times.back()), 2).c_str());
-      std::printf(" other answers than exact: %zu\n", different);
+      print("  %-22s %-28s", tracers[i]->name().c_str(), text(summarize(times[i]), 0).c_str());
+      if (has_peer) print(" / Embree %-22s", text(ratio(times[i], times.back()), 2).c_str());
+      print(" other answers than exact: %zu\n", different);
     }
-    std::printf("  %-22s %s\n", "exact / float", text(ratio(times[1], times[0]), 2).c_str());
+    print("  %-22s %s\n", "exact / float", text(ratio(times[1], times[0]), 2).c_str());
   }
 }
 

@@ -11,10 +11,11 @@ namespace {
 
 class Embree : public Tracer {
  public:
-  explicit Embree(const tetfmt::FileView& view) : device_(rtcNewDevice("threads=1")) {
+  Embree(const tetfmt::FileView& view, bool robust) : robust_(robust), device_(rtcNewDevice("threads=1")) {
     if (!device_) throw tetprep::Failure(tetprep::ExitCode::runtime, "Embree: no device");
     scene_ = rtcNewScene(device_);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    if (robust) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     const auto vertices = view.vertices();
     auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
@@ -24,11 +25,14 @@ class Embree : public Tracer {
       *points++ = p.y;
       *points++ = p.z;
     }
-    const auto triangles = view.triangles();
+    const auto triangles = view.input_triangles();
     auto* corners = static_cast<tetfmt::Index*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(tetfmt::Triangle), triangles.size()));
-    for (const tetfmt::Triangle& triangle : triangles)
-      for (const tetfmt::Index id : triangle.vertices) *corners++ = triangle.dropped() ? 0 : id;
+    for (const tetfmt::Triangle& triangle : triangles) {
+      bool whole = true;  // files that leave space out may lack corners
+      for (const tetfmt::Index id : triangle.vertices) whole = whole && id < vertices.size();
+      for (const tetfmt::Index id : triangle.vertices) *corners++ = whole ? id : 0;
+    }
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
@@ -41,7 +45,9 @@ class Embree : public Tracer {
     rtcReleaseDevice(device_);
   }
 
-  std::string name() const override { return "Embree rtcIntersect1"; }
+  std::string name() const override {
+    return robust_ ? "Embree rtcIntersect1, robust" : "Embree rtcIntersect1";
+  }
 
   void trace(std::span<const tetfmt::Ray> rays, Answers& answers) const override {
     RTCIntersectContext context;
@@ -61,14 +67,15 @@ class Embree : public Tracer {
   }
 
  private:
+  bool robust_;
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
 };
 
 }  // namespace
 
-std::unique_ptr<Tracer> make_embree(const tetfmt::FileView& view) {
-  return std::make_unique<Embree>(view);
+std::unique_ptr<Tracer> make_embree(const tetfmt::FileView& view, bool robust) {
+  return std::make_unique<Embree>(view, robust);
 }
 
 }  // namespace tetbench

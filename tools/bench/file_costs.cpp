@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
-#include <cstdio>
-
 #include "bench/bench.hpp"
 #include "bench/statistics.hpp"
+#include "bench/text.hpp"
 #include "common/failure.hpp"
+#include "common/output.hpp"
 #include "tetfmt/mapped_file.hpp"
 
 namespace tetbench {
@@ -27,9 +27,10 @@ void file_costs(const std::string& path, int repeats) {
                         throw tetprep::Failure(tetprep::ExitCode::invalid, path + ": run `tet validate`");
                     }));
   }
-  std::printf("%s: %.0f tets\n", path.c_str(), tets);
-  std::printf("  map and open, ms                        %s\n", text(summarize(open), 3).c_str());
-  std::printf("  validate at geometry, million tets a s  %s\n", text(summarize(check), 2).c_str());
+  const auto print = [](const std::string& line) { tetprep::Output::standard().write(line); };
+  print(format("%s: %.0f tets\n", path.c_str(), tets));
+  print(format("  map and open, ms                        %s\n", text(summarize(open), 3).c_str()));
+  print(format("  validate at geometry, million tets a s  %s\n", text(summarize(check), 2).c_str()));
 }
 
 }  // namespace tetbench

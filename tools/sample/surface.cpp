@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sample/hostile.hpp"
 #include "sample/turn.hpp"
 
 namespace tetprep {
@@ -255,11 +256,14 @@ Surface make_bumpy_plane(std::uint64_t triangles, std::uint64_t seed) {
   return surface;
 }
 
-constexpr std::array<SurfaceKind, 4> kKinds = {{
+constexpr std::array<SurfaceKind, 7> kKinds = {{
     {"sphere", "a sphere of radius 1; any even count", true, 8, make_sphere},
     {"torus-knot", "a tube along a trefoil, 3.2 wide", true, kKnotMinimum, make_torus_knot},
     {"bumpy-plane", "an open height field, y up, 2 wide", false, 2, make_bumpy_plane},
     {"knots", "a box of disjoint torus knots, one in each unit cell", true, 8 * kKnotMinimum, make_knots},
+    {"needles", "tetrahedra 4000 times as long as wide", true, kNeedleTriangles, make_needles},
+    {"slivers", "a pile of lenses, 10^5 times as wide as thick", true, kLensTriangles, make_slivers},
+    {"lattice", "cubes on the integer lattice, corners in line", true, kCubeTriangles, make_lattice},
 }};
 
 }  // namespace

@@ -26,7 +26,7 @@ struct SurfaceKind {
   Surface (*make)(std::uint64_t triangles, std::uint64_t seed);
 };
 
-/// sphere, torus-knot, bumpy-plane, knots.
+/// sphere, torus-knot, bumpy-plane, knots; and for tests that are meant to hurt: needles, slivers, lattice.
 std::span<const SurfaceKind> surface_kinds();
 
 /// Above this, vertex and triangle numbers would not fit where they must.

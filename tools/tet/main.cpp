@@ -41,6 +41,7 @@ constexpr const char* kFooter =
     "  tet trace knot.tet -o knot.png         a picture\n"
     "  tet query knot.tet --rays rays.csv --hits -\n"
     "  tet extract knot.tet --surface back.ply\n"
+    "  tet bench --stress knot.tet            hold every kind of ray against exact arithmetic\n"
     "\n"
     "`tet VERB --help` tells more about each.";
 
@@ -96,6 +97,7 @@ int main(int argc, char** argv) {
     add_trace_command(app, run);
     add_query_command(app, run);
     add_sample_command(app, run);
+    add_bench_command(app, run);
     return parse_and_run(argc, argv, app, run);
   } catch (const OutputClosed&) {
     std::signal(SIGPIPE, SIG_DFL);

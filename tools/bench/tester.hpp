@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// Sends the rays of one block through everything that can answer them, and has the answers judged.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "bench/bench.hpp"
+#include "bench/judge.hpp"
+#include "bench/rays.hpp"
+#include "bench/scene.hpp"
+#include "bench/tally.hpp"
+
+namespace tetbench {
+
+/// What is the same for all blocks of a scene. Any thread may use it.
+struct Bench {
+  explicit Bench(const std::string& path);
+  Scene scene;
+  Judge judge;
+  RayMaker maker;
+  std::array<std::unique_ptr<Tracer>, 2> peers;  ///< Embree and Embree robust, or none
+};
+
+class Tester {
+ public:
+  /// `bench` and `set` must outlive the tester.
+  Tester(const Bench& bench, const RaySet& set, std::initializer_list<std::uint64_t> seeds)
+      : bench_(bench), set_(set), dice_(seeds) {}
+
+  /// Tests `count` rays, a little more if a sequence of bounces begins before the last one.
+  void run(std::uint64_t count);
+  Tally take() { return std::move(tally_); }
+
+ private:
+  void single(bool crossings);
+  void bounces();
+  void segment();
+
+  Start locate(const tetfmt::Vec3f& point);
+  /// A ray through everything. `crossings`: all of them, too.
+  tetfmt::Hit ray(const Start& start, const tetfmt::Vec3f& direction, const tetfmt::Interval& interval,
+                  bool crossings);
+  void variants(const Start& start, const tetfmt::Vec3f& direction, const tetfmt::Hit& hit);
+  Start side_of(const tetfmt::Hit& hit, bool far);
+  tetfmt::Vec3f bounce(const Start& start, const tetfmt::Vec3f& incoming);
+  Start segment_end();
+
+  void report(const std::optional<Finding>& finding);
+  /// What reproducers name from here on.
+  void about(const Start& start, const Vec3d& direction, const tetfmt::Interval& interval);
+
+  const Bench& bench_;
+  const RaySet& set_;
+  Dice dice_;
+  Tally tally_;
+  Reproducer current_;
+  std::optional<tetfmt::Cell> near_;  ///< where the last place was found
+  Answers peers_answer_ = Answers(1);
+};
+
+}  // namespace tetbench
