@@ -12,8 +12,8 @@ TEST_F(CliTest, HelpListsVerbsAndExitCodes) {
   const RunResult result = tet({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* part : {"convert", "validate", "info", "trace", "query", "sample", "Exit codes", "  0  ",
-                           "  1  ", "  2  ", "  3  ", "  4  ", "  5  ", "  7  ", "Examples"}) {
+  for (const char* part : {"convert", "validate", "info", "trace", "query", "sample", "bench", "Exit codes",
+                           "  0  ", "  1  ", "  2  ", "  3  ", "  4  ", "  5  ", "  7  ", "Examples"}) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
   }
 }
@@ -31,6 +31,9 @@ TEST_F(CliTest, EveryVerbsHelpTeaches) {
       {"query",
        {"FILE", "--rays", "--hits", "--threads", "--space", "--kernel", ".npy", ".csv", "triangle",
         "neighbor", "local"}},
+      {"bench",
+       {"FILE", "--other", "--stress", "--rays", "--sets", "--seed", "--threads", "--csv", "--json",
+        "vertices", "from-tet-edges", "parity", "bounces", "segments", "denormal", "[4000000]"}},
       {"sample",
        {"KIND", "--output", "--triangles", "--seed", "sphere", "torus-knot", "bumpy-plane", "knots", ".obj",
         ".off", ".ply", ".stl", "at least"}},

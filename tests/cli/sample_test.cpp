@@ -79,13 +79,20 @@ int euler(const Surface& surface) {
 
 TEST_F(CliTest, SampleClosedSurfacesAreClosedAndPointOutward) {
   for (const std::uint64_t count : {4000u, 4001u, 12345u, 50000u}) {
-    for (const std::string kind : {"sphere", "torus-knot", "knots"}) {
+    for (const std::string kind : {"sphere", "torus-knot", "knots", "needles", "slivers", "lattice"}) {
       const Surface surface = sample(kind, count);
       EXPECT_NEAR(static_cast<double>(surface.triangles.size()), static_cast<double>(count),
                   0.03 * static_cast<double>(count));
       EXPECT_TRUE(closed(surface)) << kind << " " << count;
       EXPECT_GT(volume6(surface), 0) << kind << " " << count;
-      EXPECT_EQ(euler(surface), kind == "sphere" ? 2 : 0) << kind << " " << count;
+      // Two a sphere, none a torus; needles, lenses and cubes are spheres of so many triangles each.
+      const std::map<std::string, std::size_t> triangles_a_part = {
+          {"needles", 4}, {"slivers", 32}, {"lattice", 12}};
+      const auto part = triangles_a_part.find(kind);
+      const std::size_t spheres = kind == "sphere"                 ? 1
+                                  : part == triangles_a_part.end() ? 0
+                                                                   : surface.triangles.size() / part->second;
+      EXPECT_EQ(euler(surface), 2 * static_cast<int>(spheres)) << kind << " " << count;
       EXPECT_EQ(std::set(surface.points.begin(), surface.points.end()).size(), surface.points.size());
     }
   }
@@ -122,10 +129,13 @@ TEST_F(CliTest, SampleSmallestSurfacesWork) {
   EXPECT_EQ(sample("sphere", 8).triangles.size(), 8u);
   EXPECT_TRUE(closed(sample("torus-knot", 500)));
   EXPECT_TRUE(closed(sample("knots", 4000)));
+  EXPECT_EQ(sample("needles", 4).triangles.size(), 4u);
+  EXPECT_EQ(sample("slivers", 32).triangles.size(), 32u);
+  EXPECT_EQ(sample("lattice", 12).triangles.size(), 12u);
 }
 
 TEST_F(CliTest, SampleSeedsMatterWhereTheyShould) {
-  for (const std::string kind : {"knots", "bumpy-plane"}) {
+  for (const std::string kind : {"knots", "bumpy-plane", "needles", "slivers", "lattice"}) {
     EXPECT_EQ(sample(kind, 5000, "3").points, sample(kind, 5000, "3").points);
     EXPECT_NE(sample(kind, 5000, "3").points, sample(kind, 5000, "4").points);
   }

@@ -60,19 +60,22 @@ Surface make_needles(std::uint64_t triangles, std::uint64_t seed) {
 }
 
 Surface make_slivers(std::uint64_t triangles, std::uint64_t seed) {
+  // In piles: float32 cannot tell any number of them apart in one.
+  constexpr std::uint64_t kPile = 1000;
   const std::uint64_t count = parts(triangles, kLensTriangles), corners = kLensTriangles / 2;
+  const std::uint64_t edge = root((count + kPile - 1) / kPile, 2);
   Surface surface;
   Random random(seed);
   for (std::uint64_t i = 0; i < count; ++i) {
-    const double middle = real(i) / real(count), half = std::min(5e-6, 0.2 / real(count));
-    const double around = random.uniform();
+    const double middle = real(i % kPile) / real(kPile), half = 5e-6, around = random.uniform();
+    const double x = 2 * real(i / kPile % edge), y = 2 * real(i / kPile / edge);
     const auto first = static_cast<Vertex>(surface.points.size());
     for (std::uint64_t k = 0; k < corners; ++k) {
       const CosSin at = turn(around + real(k) / real(corners));
-      add_point(surface, 0.5 * at.cos, 0.5 * at.sin, middle);
+      add_point(surface, x + 0.5 * at.cos, y + 0.5 * at.sin, middle);
     }
-    const Vertex top = add_point(surface, 0, 0, middle + half),
-                 bottom = add_point(surface, 0, 0, middle - half);
+    const Vertex top = add_point(surface, x, y, middle + half),
+                 bottom = add_point(surface, x, y, middle - half);
     for (std::uint64_t k = 0; k < corners; ++k) {
       const auto a = static_cast<Vertex>(first + k), b = static_cast<Vertex>(first + (k + 1) % corners);
       surface.triangles.push_back({a, b, top});

@@ -11,7 +11,7 @@ namespace tetprep {
 /// Tetrahedra that are 4000 times as long as wide, each in a column of its own.
 Surface make_needles(std::uint64_t triangles, std::uint64_t seed);
 
-/// A pile of lenses, each a fan of 16 triangles above and one below, 10^5 times as wide as thick.
+/// Piles of lenses, each a fan of 16 triangles above and one below, 10^5 times as wide as thick.
 Surface make_slivers(std::uint64_t triangles, std::uint64_t seed);
 
 /// Cubes with corners on the integer lattice, in rows and columns, none touching another: many vertices,

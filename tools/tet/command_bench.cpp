@@ -110,10 +110,9 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
   verb->add_flag(
       "--stress", options->stress,
       "Hold first hits, all hits, occlusion and secondary rays against exact arithmetic, in both layouts");
-  verb->add_option("--rays", stress.rays, "Stress: rays in all, over all files and sets")
+  verb->add_option("--rays", stress.rays, "Stress: rays in all, over all files and sets [4000000]")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
-      ->type_name("N")
-      ->capture_default_str();
+      ->type_name("N");
   verb->add_option("--sets", stress.sets, "Stress: which sets, separated by commas [all]")
       ->delimiter(',')
       ->type_name("A,B");
