@@ -304,15 +304,15 @@ void Tester::segment() {
   }
   if (to.side != tetfmt::kNone) what += "; to side " + std::to_string(to.side);
   tally_.hits += expected == Outcome::hit ? 1 : 0;
-  const auto check = [&](const auto& view) {
-    const Outcome answer = tetfmt::occlusion(view, from.location, to.location);
-    if (answer == Outcome::corrupt)
-      report(Finding{Fault::hung, what});
-    else if (answer != expected)
-      report(Finding{expected == Outcome::hit ? Fault::missed : Fault::false_hit, what});
-  };
-  check(scene.view(0));
-  with_other_views(scene, check);
+  const Outcome answer = tetfmt::occlusion(scene.view(0), from.location, to.location);
+  if (answer == Outcome::corrupt)
+    report(Finding{Fault::hung, what});
+  else if (answer != expected)
+    report(Finding{expected == Outcome::hit ? Fault::missed : Fault::false_hit, what});
+  with_other_views(scene, [&](const auto& view) {
+    if (tetfmt::occlusion(view, from.location, to.location) != answer)
+      report(differs(std::string(kOthers) + what));
+  });
 }
 
 }  // namespace tetbench
