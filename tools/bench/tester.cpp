@@ -66,7 +66,7 @@ Bench::Bench(const std::string& path) : scene(path), judge(scene), maker(scene.m
 void Tester::run(std::uint64_t count) {
   while (tally_.rays < count) switch (set_.flow) {
       case Flow::rays:
-        single(dice_.below(4) == 0);
+        single(dice_.below(8) == 0);
         break;
       case Flow::crossings:
         single(true);
@@ -264,7 +264,7 @@ void Tester::bounces() {
   Vec3f direction = shot.direction;
   Start start = locate(shot.origin);
   for (int depth = 0; depth < 4; ++depth) {
-    const Hit hit = ray(start, direction, {}, dice_.below(4) == 0);
+    const Hit hit = ray(start, direction, {}, dice_.below(8) == 0);
     if (hit.outcome != Outcome::hit) return;
     start = side_of(hit, dice_.below(3) == 0);
     direction = bounce(start, direction);
