@@ -55,9 +55,8 @@ Bounds surface_bounds(const tetfmt::FileView& view) {
   return bounds;
 }
 
-template <class... Values>
-void print(const char* pattern, Values... values) {
-  tetprep::Output::standard().write(format(pattern, values...));
+void print(const std::string& text) {
+  tetprep::Output::standard().write(text);
 }
 
 /// In square tiles, as renderers shoot them.
@@ -97,7 +96,7 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
   if (auto embree = make_embree(view.view())) {
     tracers.push_back(std::move(embree));
   } else {
-    print("built without Embree: no ratios to it\n");
+    print(format("built without Embree: no ratios to it\n"));
   }
   const bool has_peer = tracers.back()->name().starts_with("Embree");
   const OurTracer& exact =
@@ -111,10 +110,10 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
   if (front.outcome == tetfmt::Outcome::hit)
     distances.push_back(16.5f - static_cast<float>(front.t) / unit + 0.01f);
 
-  print(
+  print(format(
       "%d x %d rays a view, one thread, %d repeats in turn; ns a ray, processor time, median (lowest .. "
       "highest)\n",
-      size, size, repeats);
+      size, size, repeats));
   for (const float distance : distances) {
     const std::vector<Ray> rays =
         camera_rays({middle.x, middle.y, middle.z + distance * unit}, size, field_of_view);
@@ -127,16 +126,17 @@ void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* o
 
     const auto hits =
         std::count_if(answers[1].begin(), answers[1].end(), [](auto id) { return id != tetfmt::kNone; });
-    print("\ndistance %.2f: %.1f tets a ray, %.1f %% of the rays hit\n", static_cast<double>(distance),
-          exact.mean_steps(rays), 100.0 * static_cast<double>(hits) / static_cast<double>(rays.size()));
+    print(format("\ndistance %.2f: %.1f tets a ray, %.1f %% of the rays hit\n", static_cast<double>(distance),
+                 exact.mean_steps(rays),
+                 100.0 * static_cast<double>(hits) / static_cast<double>(rays.size())));
     for (std::size_t i = 0; i < tracers.size(); ++i) {
       std::size_t different = 0;
       for (std::size_t k = 0; k < rays.size(); ++k) different += answers[i][k] != answers[1][k];
-      print("  %-22s %-28s", tracers[i]->name().c_str(), text(summarize(times[i]), 0).c_str());
-      if (has_peer) print(" / Embree %-22s", text(ratio(times[i], times.back()), 2).c_str());
-      print(" other answers than exact: %zu\n", different);
+      print(format("  %-22s %-28s", tracers[i]->name().c_str(), text(summarize(times[i]), 0).c_str()));
+      if (has_peer) print(format(" / Embree %-22s", text(ratio(times[i], times.back()), 2).c_str()));
+      print(format(" other answers than exact: %zu\n", different));
     }
-    print("  %-22s %s\n", "exact / float", text(ratio(times[1], times[0]), 2).c_str());
+    print(format("  %-22s %s\n", "exact / float", text(ratio(times[1], times[0]), 2).c_str()));
   }
 }
 

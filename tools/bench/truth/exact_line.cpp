@@ -182,9 +182,9 @@ ExactLine::ExactLine(const Surface& surface, const Place& from, const Place& to)
   to_ = to;
 }
 
-const ExactLine::Whole& ExactLine::whole() const {
+const WholeLine& ExactLine::whole() const {
   if (whole_) return *whole_;
-  Whole& w = whole_.emplace();
+  WholeLine& w = whole_.emplace();
   // At most 0, so that a power of e, which moves vertices by local units, is a whole number of them.
   w.unit = std::min({0, surface_.grid_exponent, lowest_bit(origin_, 0)});
   if (to_) w.unit = std::min(w.unit, lowest_bit(to_->position, 0));
@@ -210,14 +210,14 @@ const ExactLine::Whole& ExactLine::whole() const {
 }
 
 std::array<Integer, 3> ExactLine::from_origin(Index vertex) const {
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   const GridPoint& p = surface_.grid[vertex];
   return {(Integer(p[0]) << w.vertex_shift) - w.origin[0], (Integer(p[1]) << w.vertex_shift) - w.origin[1],
           (Integer(p[2]) << w.vertex_shift) - w.origin[2]};
 }
 
 std::array<Wide, 3> ExactLine::narrow_from_origin(Index vertex) const {
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   const GridPoint& p = surface_.grid[vertex];
   const Wide step = Wide{1} << w.vertex_shift;
   return {p[0] * step - w.narrow_origin[0], p[1] * step - w.narrow_origin[1],
@@ -225,7 +225,7 @@ std::array<Wide, 3> ExactLine::narrow_from_origin(Index vertex) const {
 }
 
 std::array<Polynomial, 3> ExactLine::perturbed(Index vertex, const PowersOf& powers) const {
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   const auto point = from_origin(vertex);
   std::array<Polynomial, 3> row;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -237,7 +237,7 @@ std::array<Polynomial, 3> ExactLine::perturbed(Index vertex, const PowersOf& pow
 }
 
 std::array<Polynomial, 3> ExactLine::perturbed_direction() const {
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   std::array<Polynomial, 3> row;
   for (std::size_t k = 0; k < 3; ++k) {
     row[k].add(0, w.direction[k]);
@@ -248,7 +248,7 @@ std::array<Polynomial, 3> ExactLine::perturbed_direction() const {
 
 int ExactLine::edge(Index a, Index b) const {
   if (a > b) return -edge(b, a);
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   if (w.narrow) {
     const Row<Wide> d = {w.narrow_direction[0], w.narrow_direction[1], w.narrow_direction[2]};
     return perturbed_edge(d, narrow_from_origin(a), narrow_from_origin(b));
@@ -330,7 +330,7 @@ Integer ExactLine::exact_over(const Face& face) const {
 }
 Integer ExactLine::exact_under(const Face& face) const {
   const GridPoint n = surface_.normal(face);
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   return w.direction[0] * n[0] + w.direction[1] * n[1] + w.direction[2] * n[2];
 }
 
@@ -384,7 +384,7 @@ ExactLine::Range ExactLine::parameter(const Face& face) const {
         1.001 * (over.error + std::abs(t) * under.error) / std::abs(under.value) + 4 * kUnit * std::abs(t);
     return {t - error, t + error};
   }
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   double t = 0;
   if (const Integer exact = exact_under(face); exact != 0) {
     t = ratio(exact_over(face), exact);
@@ -419,7 +419,7 @@ int ExactLine::compare(const Face& face, double t) const {
   // over - t * under is the determinant seen from origin + t * direction.
   const int under = crosses(face);
   if (t == 0) return height(face) * under;
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   const auto [mantissa, exponent] = binary(t);
   const int moved = w.direction_unit + exponent, unit = std::min(w.unit, moved);
   std::array<Integer, 3> origin, off;
@@ -435,7 +435,7 @@ int ExactLine::compare(const Face& face, double t) const {
 int ExactLine::height(const Face& face) const {
   const Estimate estimate = estimated_over(face);
   if (std::abs(estimate.value) > estimate.error) return sign(estimate.value);
-  const Whole& w = whole();
+  const WholeLine& w = whole();
   if (w.narrow) {
     const Ascending sorted(face);
     std::array<Row<Wide>, 3> rows;
@@ -506,7 +506,7 @@ double ExactLine::ulps_off(const Face& face, double t) const {
     error = std::abs(left.high / under.high);
     exact = over.high / under.high;
   } else {
-    const Whole& w = whole();
+    const WholeLine& w = whole();
     const Integer exact_n = exact_over(face), exact_d = exact_under(face);
     const auto [mantissa, exponent] = binary(t);
     const int left = w.unit - w.direction_unit, lowest = std::min(left, exponent);

@@ -27,6 +27,16 @@ struct Place {
 /// common.
 __extension__ using Wide = __int128;
 
+/// A line in integers: positions in units of 2^unit, the direction in 2^direction_unit.
+struct WholeLine {
+  int unit = 0, direction_unit = 0;
+  unsigned vertex_shift = 0;  ///< from grid steps to units
+  std::array<Integer, 3> origin, direction, origin_off, direction_off;
+  bool off = false;     ///< origin_off or direction_off is not zero
+  bool narrow = false;  ///< everything stays below 2^39, and `off` is false
+  std::array<std::int64_t, 3> narrow_origin{}, narrow_direction{};
+};
+
 class ExactLine {
  public:
   /// The points from + t * direction; `direction` is exact. `surface` must outlive the line.
@@ -71,15 +81,6 @@ class ExactLine {
   double sine(const Face& face) const;
 
  private:
-  /// Everything in integers: positions in units of 2^unit, the direction in 2^direction_unit.
-  struct Whole {
-    int unit = 0, direction_unit = 0;
-    unsigned vertex_shift = 0;  ///< from grid steps to units
-    std::array<Integer, 3> origin, direction, origin_off, direction_off;
-    bool off = false;     ///< origin_off or direction_off is not zero
-    bool narrow = false;  ///< everything stays below 2^39, and `off` is false
-    std::array<std::int64_t, 3> narrow_origin{}, narrow_direction{};
-  };
   struct Fraction {
     Polynomial over, under;  ///< t in units of 2^(unit - direction_unit)
   };
@@ -88,7 +89,7 @@ class ExactLine {
     double value = 0, error = 0;
   };
 
-  const Whole& whole() const;
+  const WholeLine& whole() const;
   int edge(tetfmt::Index a, tetfmt::Index b) const;
   int edge_as_it_is(tetfmt::Index a, tetfmt::Index b) const;
   std::array<Integer, 3> from_origin(tetfmt::Index vertex) const;
@@ -110,7 +111,7 @@ class ExactLine {
   Place from_;
   std::optional<Place> to_;
   Vec3d origin_{}, direction_{};
-  mutable std::optional<Whole> whole_;
+  mutable std::optional<WholeLine> whole_;
 };
 
 }  // namespace tetbench
