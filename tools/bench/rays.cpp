@@ -12,7 +12,7 @@ namespace {
 using tetfmt::Index;
 using tetfmt::Vec3f;
 
-constexpr std::array<RaySet, 20> kSets = {{
+constexpr std::array<RaySet, 21> kSets = {{
     {"outside", "from a sphere around the box towards points in it", Flow::rays, 2},
     {"inside", "from points in the box in any direction", Flow::rays, 2},
     {"vertices", "exactly at vertices of the surface"},
@@ -31,6 +31,8 @@ constexpr std::array<RaySet, 20> kSets = {{
     {"denormals", "components of the direction are denormal float32 numbers"},
     {"intervals", "t_min and t_max exactly on a face, and anywhere"},
     {"parity", "from outside, all crossings: an even number where the surface is closed", Flow::crossings},
+    {"shared", "many rays from one place, together: tiles of a camera, scattered, at vertices", Flow::shared,
+     2},
     {"bounces", "three bounces from the sides of first hits: diffuse, mirror, refracted", Flow::bounces, 3},
     {"segments", "between places: inside, outside, on vertices, edges, faces and sides", Flow::segments, 2},
 }};

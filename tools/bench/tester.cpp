@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "common/parse.hpp"
+
 namespace tetbench {
 
 using tetfmt::Hit;
@@ -35,6 +37,24 @@ bool same_answer(const Hit& a, const Hit& b) {
          same_bits(a.u, b.u) && same_bits(a.v, b.v) && a.side == b.side && a.tet == b.tet &&
          a.neighbor == b.neighbor && same_bits(a.side_u, b.side_u) && same_bits(a.side_v, b.side_v) &&
          a.face == b.face;
+}
+/// The same with the face's corners in any order.
+bool same_but_order(Hit a, Hit b) {
+  std::sort(a.face.begin(), a.face.end());
+  std::sort(b.face.begin(), b.face.end());
+  return same_answer(a, b);
+}
+/// The first thing in which two answers differ, for people.
+std::string difference(const Hit& a, const Hit& b) {
+  const auto text = [](const Hit& hit) {
+    return hit.outcome == Outcome::hit
+               ? "side " + std::to_string(hit.side) + " at t = " + tetprep::number(hit.t)
+               : "outcome " + std::to_string(static_cast<int>(hit.outcome));
+  };
+  if (a.outcome != b.outcome || a.side != b.side || !same_bits(a.t, b.t))
+    return text(a) + " against " + text(b);
+  return a.face == b.face ? "weights or names differ on " + text(a)
+                          : "the face's corners differ on " + text(a);
 }
 bool same(const Hit& a, const Hit& b) {
   return same_answer(a, b) && a.steps == b.steps;
@@ -70,6 +90,9 @@ void Tester::run(std::uint64_t count) {
         break;
       case Flow::crossings:
         single(true);
+        break;
+      case Flow::shared:
+        shared();
         break;
       case Flow::bounces:
         bounces();
@@ -199,6 +222,39 @@ void Tester::variants(const Start& start, const Vec3f& direction, const Hit& hit
 void Tester::single(bool crossings) {
   const Shot shot = bench_.maker.make(set_, dice_);
   ray(locate(shot.origin), shot.direction, shot.interval, crossings);
+}
+
+void Tester::shared() {
+  const Start start = segment_end();
+  std::vector<Vec3f> directions(1 + dice_.below(400));  // more and less than are walked together
+  const Vec3d forward = dice_.direction();
+  const double spread = std::exp2(dice_.between(-12, 0));
+  const std::uint64_t kind = dice_.below(4);
+  for (Vec3f& direction : directions) {
+    Vec3d d = dice_.direction();
+    if (kind == 0)
+      for (std::size_t k = 0; k < 3; ++k) d[k] = forward[k] + spread * d[k];
+    if (kind == 1 || (kind == 2 && dice_.below(4) == 0)) {
+      const Surface& surface = bench_.scene.surface();
+      const Vec3d vertex =
+          wide(surface.vertices[surface.faces[dice_.below(surface.faces.size())][dice_.below(3)]]);
+      for (std::size_t k = 0; k < 3; ++k) d[k] = vertex[k] - start.place.position[k];
+    }
+    direction = rounded(d);
+    if (direction == Vec3f{}) direction = {1, 0, 0};
+  }
+  std::vector<Hit> alone, together(directions.size());
+  for (const Vec3f& direction : directions) alone.push_back(ray(start, direction, {}, false));
+  const auto compare = [&](const auto& view) {
+    tetfmt::first_hits(view, start.location, directions, together);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      if (same_but_order(alone[i], together[i])) continue;
+      about(start, wide(directions[i]), {});
+      report(differs("first_hit and first_hits: " + difference(alone[i], together[i])));
+    }
+  };
+  compare(bench_.scene.view(0));
+  with_other_views(bench_.scene, compare);
 }
 
 Start Tester::side_of(const Hit& hit, bool far) {

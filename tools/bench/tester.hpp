@@ -34,6 +34,7 @@ class Tester {
 
  private:
   void single(bool crossings);
+  void shared();
   void bounces();
   void segment();
 
