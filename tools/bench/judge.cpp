@@ -113,26 +113,18 @@ std::optional<Finding> Judge::side_location(const Start& start, const Hit& hit) 
   const ExactLine along(
       surface, exact, Vec3d{static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])});
   if (!along.starts_inside(face)) return finding("not in the plane and between the edges of the face");
-  // Weights of 26 bits, and up to 1/2^26 off the edges: three corners' worth of it. The bound is for gross
-  // errors.
+  // A position has weights of 26 bits in the face, so it is off the hit's own by a little. The bound is for
+  // gross errors.
   double extent = 0, off = 0;
+  const auto& corners = mesh.triangles[mesh.sides[start.side].triangle].vertices;
+  const Vec3d a = wide(mesh.vertices[corners[0]]), b = wide(mesh.vertices[corners[1]]),
+              c = wide(mesh.vertices[corners[2]]);
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3d a = wide(mesh.vertices[face[0]]), b = wide(mesh.vertices[face[1]]),
-                c = wide(mesh.vertices[face[2]]);
     extent = std::max({extent, std::abs(b[k] - a[k]), std::abs(c[k] - a[k])});
+    off = std::max(off,
+                   std::abs(a[k] + hit.side_u * (b[k] - a[k]) + hit.side_v * (c[k] - a[k]) - at.position[k]));
   }
-  const Index triangle = mesh.sides[start.side].triangle;
-  const auto& corners = mesh.triangles[triangle].vertices;
-  double triangle_extent = extent;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3d a = wide(mesh.vertices[corners[0]]), b = wide(mesh.vertices[corners[1]]),
-                c = wide(mesh.vertices[corners[2]]);
-    triangle_extent = std::max({triangle_extent, std::abs(b[k] - a[k]), std::abs(c[k] - a[k])});
-    off = std::max(off, std::abs((1 - hit.side_u - hit.side_v) * a[k] + hit.side_u * b[k] +
-                                 hit.side_v * c[k] - at.position[k]));
-  }
-  if (!(off <= 1e-6 * triangle_extent + 4 * std::ldexp(1.0, surface.grid_exponent)))
-    return finding("the position is " + number(off) + " off the hit's point");
+  if (!(off <= 1e-6 * extent)) return finding("the position is " + number(off) + " off the hit's point");
   return std::nullopt;
 }
 

@@ -48,7 +48,6 @@ StressResult stress(const std::vector<std::string>& files, const StressOptions& 
                     tetprep::Progress& progress);
 
 /// The result as text for people, one row a file and set, totals and reproducers; as CSV; as JSON.
-/// `command` is told in the report. Failures do not change what is told of the rest.
 std::string stress_table(const StressResult& result, const StressOptions& options);
 std::string stress_csv(const StressResult& result);
 std::string stress_json(const StressResult& result, const StressOptions& options);
