@@ -26,13 +26,14 @@ struct NpyForm {
   bool fortran = false;
 };
 
-/// An (n, 6) array of T.
-template <class T>
-std::string npy_bytes(const std::vector<std::array<double, 6>>& rows, NpyForm form = {}) {
-  std::string bytes = npy_with_header("{'descr': '<f" + std::to_string(sizeof(T)) +
-                                          "', 'fortran_order': " + (form.fortran ? "True" : "False") +
-                                          ", 'shape': (" + std::to_string(rows.size()) + ", 6), }",
-                                      form.version);
+/// An (n, kColumns) array of T.
+template <class T, std::size_t kColumns = 6>
+std::string npy_bytes(const std::vector<std::array<double, kColumns>>& rows, NpyForm form = {}) {
+  std::string bytes =
+      npy_with_header("{'descr': '<f" + std::to_string(sizeof(T)) +
+                          "', 'fortran_order': " + (form.fortran ? "True" : "False") + ", 'shape': (" +
+                          std::to_string(rows.size()) + ", " + std::to_string(kColumns) + "), }",
+                      form.version);
   const auto put = [&bytes](double value) {
     const T narrow = static_cast<T>(value);
     std::array<char, sizeof(T)> raw;
@@ -40,7 +41,7 @@ std::string npy_bytes(const std::vector<std::array<double, 6>>& rows, NpyForm fo
     bytes.append(raw.data(), raw.size());
   };
   if (form.fortran) {
-    for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t i = 0; i < kColumns; ++i) {
       for (const auto& row : rows) put(row[i]);
     }
   } else {

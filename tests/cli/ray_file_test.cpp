@@ -52,6 +52,16 @@ TEST_F(RayFileTest, MalformedCsvIsRefusedByLineAndColumn) {
       {std::string("1,2,3\0,4,5,6\n", 13), {"rays.csv:1", "column 3 (oz)", "3\\x00"}},
       {"1,2,3,4,5,6\n1e300,2,3,4,5,6\n", {"rays.csv:2", "too large for float32"}},
       {"1,2,3,4,5,6\n1,2,3,4,-1e39,6\n", {"rays.csv:2", "too large for float32"}},
+      // Eight columns, or six, but the same on every line.
+      {"1,2,3,4,5,6,7,8,9\n", {"rays.csv:1", "found 9 columns", "or 8 with t_min,t_max"}},
+      {"1,2,3,4,5,6\n1,2,3,4,5,6,0,1\n", {"rays.csv:2", "found 8 columns", "expected 6 as on line 1"}},
+      {"# comment\nox,oy,oz,dx,dy,dz,t_min,t_max\n1,2,3,4,5,6\n",
+       {"rays.csv:3", "found 6 columns", "expected 8 as on line 2"}},
+      {"1,2,3,4,5,6,0,\n", {"rays.csv:1", "column 8 (t_max)", "''", "or inf"}},
+      {"1,2,3,4,5,6,nan,1\n", {"rays.csv:1", "column 7 (t_min)", "'nan'"}},
+      {"1,2,3,4,5,6,-inf,1\n", {"rays.csv:1", "column 7 (t_min)", "'-inf'"}},
+      {"1,2,3,4,5,6,0,nan\n", {"rays.csv:1", "column 8 (t_max)", "'nan'", "or inf"}},
+      {"1,2,3,4,5,6,0,-inf\n", {"rays.csv:1", "column 8 (t_max)", "'-inf'"}},
   };
   for (Malformed file : files) {
     if (file.contents.starts_with("1 2 3")) file.contents.insert(0, "1,2,3,4,5,6\n");
@@ -91,7 +101,8 @@ TEST_F(RayFileTest, MalformedNpyIsRefused) {
        {"rays.npy", "rows"}},
       {npy_with_header("{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999999999999999, 6), }"),
        {"rays.npy", "below 2^64"}},
-      {header("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }"), {"(2, 3)", "(n, 6)"}},
+      {header("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }"), {"(2, 3)", "(n, 6) or (n, 8)"}},
+      {header("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 7), }"), {"(2, 7)", "(n, 6) or (n, 8)"}},
       {header("{'descr': '<f4', 'fortran_order': False, 'shape': (6,), }"), {"(6,)", "(n, 6)"}},
       {header("{'descr': '<f4', 'fortran_order': False, 'shape': (), }"), {"()", "(n, 6)"}},
       {header("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 1, 6), }"), {"(2, 1, 6)"}},
@@ -112,6 +123,10 @@ TEST_F(RayFileTest, MalformedNpyIsRefused) {
       {npy_bytes<float>({row, not_finite}), {"rays.npy: ray 1", "column 4 (dy)", "nan"}},
       {npy_bytes<double>({infinite}), {"rays.npy: ray 0", "column 0 (ox)", "-inf"}},
       {npy_bytes<double>({row, {1, 2, 3, 1e39, 5, 6}}), {"rays.npy: ray 1", "too large for float32"}},
+      {npy_bytes<float, 8>({{1, 2, 3, 4, 5, 6, 0, INFINITY}, {1, 2, 3, 4, 5, 6, 0, NAN}}),
+       {"rays.npy: ray 1", "column 7 (t_max)", "nan", "or inf here"}},
+      {npy_bytes<double, 8>({{1, 2, 3, 4, 5, 6, INFINITY, INFINITY}}),
+       {"rays.npy: ray 0", "column 6 (t_min)", "inf", "must be finite"}},
   };
   for (const Malformed& file : files) expect_refused("rays.npy", file);
 }

@@ -130,6 +130,18 @@ void AtomicFile::write(std::span<const std::byte> data) {
   }
 }
 
+void AtomicFile::overwrite(std::size_t offset, std::string_view data) {
+  while (!data.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, data.data(), data.size(), static_cast<off_t>(offset));
+    if (written >= 0) {
+      offset += static_cast<std::size_t>(written);
+      data.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      fail("go back to write the beginning", errno);
+    }
+  }
+}
+
 void AtomicFile::commit() {
   const int descriptor = std::exchange(descriptor_, -1);
   if (close(descriptor) != 0) {  // network file systems report a full disk only here
@@ -172,6 +184,9 @@ void AtomicFile::fail(const std::string& doing, int error) const {
       break;
     case ENOENT:
       advice = "; create the folder first";
+      break;
+    case ESPIPE:
+      advice = "; name a file, or a format that is written from front to back";
       break;
     default:
       break;

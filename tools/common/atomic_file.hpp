@@ -30,6 +30,9 @@ class AtomicFile {
   void write(std::span<const std::byte> data);
   void write(std::string_view data) { write(std::as_bytes(std::span(data))); }
 
+  /// Replaces bytes that were written before. Fails where the target is a pipe or the like.
+  void overwrite(std::size_t offset, std::string_view data);
+
   /// Where the bytes are before commit(): to read them back and check them.
   const std::string& temporary() const { return temporary_; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "common/npy.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 
@@ -149,18 +150,24 @@ NpyHeader parse_npy_header(const std::string& path, std::span<const std::byte> b
   return header;
 }
 
-NpyMatrix::NpyMatrix(const std::string& path, std::span<const std::byte> bytes, std::size_t columns)
-    : columns_(columns) {
+NpyMatrix::NpyMatrix(const std::string& path, std::span<const std::byte> bytes,
+                     std::span<const std::size_t> columns) {
   const NpyHeader header = parse_npy_header(path, bytes);
   wide_ = header.descr == "<f8";
   fortran_ = header.fortran_order;
-  if ((!wide_ && header.descr != "<f4") || header.shape.size() != 2 || header.shape[1] != columns) {
+  const bool fits =
+      header.shape.size() == 2 && std::find(columns.begin(), columns.end(), header.shape[1]) != columns.end();
+  if ((!wide_ && header.descr != "<f4") || !fits) {
+    std::string shapes;
+    for (const std::size_t count : columns)
+      shapes += (shapes.empty() ? "(n, " : " or (n, ") + std::to_string(count) + ")";
     throw Failure(ExitCode::invalid, path + ": found dtype " + header.descr.substr(0, 80) + " of shape " +
                                          shape_text(header.shape) +
-                                         ", expected <f4 (float32) or <f8 of shape (n, " +
-                                         std::to_string(columns) + "); convert by numpy.astype and reshape");
+                                         ", expected <f4 (float32) or <f8 of shape " + shapes +
+                                         "; convert by numpy.astype and reshape");
   }
-  const std::uint64_t row_bytes = columns * (wide_ ? 8 : 4);
+  columns_ = header.shape[1];
+  const std::uint64_t row_bytes = columns_ * (wide_ ? 8 : 4);
   const std::uint64_t held = bytes.size() - header.data_offset;
   if (header.shape[0] > held / row_bytes || header.shape[0] * row_bytes != held) {
     throw Failure(ExitCode::invalid, path + ": the header says " + std::to_string(header.shape[0]) +
@@ -184,11 +191,12 @@ double NpyMatrix::at(std::size_t row, std::size_t column) const {
   return static_cast<double>(value);
 }
 
-std::string npy_header(std::string_view descr, std::uint64_t rows) {
+std::string npy_header(std::string_view descr, std::uint64_t rows, std::size_t size) {
   std::string dictionary = "{'descr': " + std::string(descr) + ", 'fortran_order': False, 'shape': (" +
                            std::to_string(rows) + ",), }";
   constexpr std::size_t kPrefix = 10;
   dictionary.append(63 - (kPrefix + dictionary.size()) % 64, ' ');
+  if (kPrefix + dictionary.size() + 1 < size) dictionary.append(size - kPrefix - dictionary.size() - 1, ' ');
   dictionary += '\n';
   std::string header(kMagic);
   header += {1, 0, static_cast<char>(dictionary.size() & 0xFF), static_cast<char>(dictionary.size() >> 8)};

@@ -28,11 +28,12 @@ NpyHeader parse_npy_header(const std::string& path, std::span<const std::byte> b
 /// A matrix of little-endian float32 or float64, in place in the file's bytes, which must outlive it.
 class NpyMatrix {
  public:
-  /// Throws Failure (invalid), saying what was found, unless `bytes` is exactly a matrix with `columns`
-  /// columns. Allocates nothing that the header's shape could blow up.
-  NpyMatrix(const std::string& path, std::span<const std::byte> bytes, std::size_t columns);
+  /// Throws Failure (invalid), saying what was found, unless `bytes` is exactly a matrix with one of these
+  /// numbers of columns. Allocates nothing that the header's shape could blow up.
+  NpyMatrix(const std::string& path, std::span<const std::byte> bytes, std::span<const std::size_t> columns);
 
   std::size_t rows() const { return rows_; }
+  std::size_t columns() const { return columns_; }
   double at(std::size_t row, std::size_t column) const;
 
  private:
@@ -41,8 +42,8 @@ class NpyMatrix {
   bool wide_ = false, fortran_ = false;
 };
 
-/// The magic, version and header of a one-dimensional array of `rows` elements, padded to 64 bytes.
-/// `descr` is Python source, with quotes where it needs them.
-std::string npy_header(std::string_view descr, std::uint64_t rows);
+/// The magic, version and header of a one-dimensional array of `rows` elements, padded to 64 bytes, and to
+/// `size` if that is more (and a multiple of 64). `descr` is Python source, with quotes where it needs them.
+std::string npy_header(std::string_view descr, std::uint64_t rows, std::size_t size = 0);
 
 }  // namespace tetprep

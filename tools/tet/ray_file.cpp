@@ -17,7 +17,24 @@
 namespace tetprep {
 namespace {
 
-constexpr std::array<const char*, 6> kColumns = {"ox", "oy", "oz", "dx", "dy", "dz"};
+constexpr std::array<const char*, 8> kColumns = {"ox", "oy", "oz", "dx", "dy", "dz", "t_min", "t_max"};
+constexpr std::size_t kTMax = 7;
+/// Without an interval, and with one.
+constexpr std::array<std::size_t, 2> kColumnCounts = {6, 8};
+
+bool allowed(std::size_t column, double value) {
+  return std::isfinite(value) || (column == kTMax && value > 0);
+}
+
+GivenRay ray_of(std::span<const double> row) {
+  GivenRay ray;
+  for (std::size_t i = 0; i < 3; ++i) {
+    ray.origin[i] = row[i];
+    ray.direction[i] = row[i + 3];
+  }
+  if (row.size() == kColumns.size()) ray.interval = {row[kTMax - 1], row[kTMax]};
+  return ray;
+}
 
 std::string read_standard_input() {
   std::string text;
@@ -69,7 +86,7 @@ RayFile::RayFile(const std::string& path) : name_(path == "-" ? "standard input"
   }
   file_ = map(path);
   if (format == "npy") {
-    matrix_.emplace(path, file_->bytes(), kColumns.size());
+    matrix_.emplace(path, file_->bytes(), kColumnCounts);
     check_matrix();
   } else {
     parse_csv({reinterpret_cast<const char*>(file_->bytes().data()), file_->bytes().size()});
@@ -77,11 +94,11 @@ RayFile::RayFile(const std::string& path) : name_(path == "-" ? "standard input"
   }
 }
 
-std::array<double, 6> RayFile::operator[](std::size_t ray) const {
+GivenRay RayFile::operator[](std::size_t ray) const {
   if (!matrix_) return rows_[ray];
-  std::array<double, 6> row{};
-  for (std::size_t i = 0; i < row.size(); ++i) row[i] = matrix_->at(ray, i);
-  return row;
+  std::array<double, kColumns.size()> row{};
+  for (std::size_t i = 0; i < matrix_->columns(); ++i) row[i] = matrix_->at(ray, i);
+  return ray_of(std::span(row).first(matrix_->columns()));
 }
 
 std::string RayFile::place(std::size_t ray) const {
@@ -90,11 +107,12 @@ std::string RayFile::place(std::size_t ray) const {
 
 void RayFile::check_matrix() const {
   for (std::size_t ray = 0; ray < matrix_->rows(); ++ray) {
-    for (std::size_t i = 0; i < kColumns.size(); ++i) {
+    for (std::size_t i = 0; i < matrix_->columns(); ++i) {
       const double value = matrix_->at(ray, i);
-      if (std::isfinite(value)) continue;
+      if (allowed(i, value)) continue;
       throw Failure(ExitCode::invalid, place(ray) + ": column " + std::to_string(i) + " (" + kColumns[i] +
-                                           ") is " + number(value) + "; every number must be finite");
+                                           ") is " + number(value) + "; every number must be finite" +
+                                           (i == kTMax ? ", or inf here" : ""));
     }
   }
 }
@@ -102,6 +120,7 @@ void RayFile::check_matrix() const {
 void RayFile::parse_csv(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the mark that some spreadsheets put first
   bool header_possible = true;
+  std::size_t columns = 0, first_line = 0;  // how many there are, since which line
   for (std::size_t line = 1; !text.empty(); ++line) {
     const auto end = text.find('\n');
     const std::string_view row = trim(text.substr(0, end));
@@ -109,7 +128,7 @@ void RayFile::parse_csv(std::string_view text) {
     if (row.empty() || row[0] == '#') continue;
 
     const std::string where = name_ + ":" + std::to_string(line);
-    std::array<double, 6> values{};
+    std::array<double, kColumns.size()> values{};
     std::size_t column = 0, names = 0, bad_column = 0;
     std::string_view rest = row, bad_text;
     for (bool more = true; more; ++column) {
@@ -119,25 +138,34 @@ void RayFile::parse_csv(std::string_view text) {
       if (more) rest.remove_prefix(comma + 1);
       const auto value = parse_double(field);
       names += is_name(field);
-      if (value && std::isfinite(*value)) {
+      if (value && allowed(column, *value)) {
         if (column < values.size()) values[column] = *value;
       } else if (bad_column == 0) {
         bad_column = column + 1;
         bad_text = field;
       }
     }
-    if (std::exchange(header_possible, false) && names == kColumns.size() && column == names) continue;
-    if (column != values.size()) {
-      throw Failure(ExitCode::invalid, where + ": found " + std::to_string(column) +
-                                           (column == 1 ? " column" : " columns") +
-                                           ", expected 6 separated by commas: ox,oy,oz,dx,dy,dz");
+    const bool possible =
+        columns == 0 ? std::find(kColumnCounts.begin(), kColumnCounts.end(), column) != kColumnCounts.end()
+                     : column == columns;
+    if (!possible) {
+      throw Failure(
+          ExitCode::invalid,
+          where + ": found " + std::to_string(column) + (column == 1 ? " column" : " columns") +
+              ", expected " +
+              (columns == 0 ? "6 separated by commas, ox,oy,oz,dx,dy,dz, or 8 with t_min,t_max"
+                            : std::to_string(columns) + " as on line " + std::to_string(first_line)));
     }
+    if (columns == 0) first_line = line;
+    columns = column;
+    if (std::exchange(header_possible, false) && names == column) continue;
     if (bad_column != 0) {
       throw Failure(ExitCode::invalid, where + ": column " + std::to_string(bad_column) + " (" +
                                            kColumns[bad_column - 1] + ") is '" +
-                                           one_line(bad_text.substr(0, 40)) + "', expected a finite number");
+                                           one_line(bad_text.substr(0, 40)) + "', expected a finite number" +
+                                           (bad_column - 1 == kTMax ? " or inf" : ""));
     }
-    rows_.push_back(values);
+    rows_.push_back(ray_of(std::span(values).first(columns)));
     lines_.push_back(line);
   }
 }

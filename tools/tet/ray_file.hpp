@@ -9,10 +9,17 @@
 
 #include "common/npy.hpp"
 #include "tetfmt/mapped_file.hpp"
+#include "tetfmt/traverse.hpp"
 
 namespace tetprep {
 
-/// Rows of six numbers: origin x, y, z and direction x, y, z. Every number is finite.
+/// A ray as it was given. Every number is finite, but t_max may be infinity.
+struct GivenRay {
+  std::array<double, 3> origin{}, direction{};
+  tetfmt::Interval interval;
+};
+
+/// Rows of six numbers: origin x, y, z and direction x, y, z; or of eight, with t_min and t_max.
 class RayFile {
  public:
   /// `path` ends in .npy or .csv, or is "-": CSV on standard input. Throws Failure with file and line or row:
@@ -20,7 +27,7 @@ class RayFile {
   explicit RayFile(const std::string& path);
 
   std::size_t size() const { return matrix_ ? matrix_->rows() : rows_.size(); }
-  std::array<double, 6> operator[](std::size_t ray) const;
+  GivenRay operator[](std::size_t ray) const;
   /// Where a ray stands, for messages: "rays.npy: ray 17" or "rays.csv:19".
   std::string place(std::size_t ray) const;
 
@@ -30,8 +37,8 @@ class RayFile {
 
   std::string name_;
   std::optional<tetfmt::MappedFile> file_;
-  std::optional<NpyMatrix> matrix_;          ///< of a .npy file
-  std::vector<std::array<double, 6>> rows_;  ///< of a CSV file
+  std::optional<NpyMatrix> matrix_;  ///< of a .npy file
+  std::vector<GivenRay> rows_;       ///< of a CSV file
   std::vector<std::size_t> lines_;
 };
 
