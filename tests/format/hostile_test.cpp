@@ -44,6 +44,9 @@ void ask_everything(const FileView& view, const tetfmt::Location& from, const te
         (void)view.region_of(hit.neighbor);
       }
     }
+    const std::vector<Vec3f> directions(16, direction);
+    std::vector<tetfmt::Hit> hits(directions.size());
+    ASSERT_LE(tetfmt::first_hits(view, place, directions, hits), cap * directions.size());
     (void)tetfmt::occlusion(view, place, other);
     (void)tetfmt::occlusion(view, other, place);
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // Any rays through valid files: the fuzzer's bytes choose one of a few small meshes, then places, directions
 // and intervals of any bits. Whatever they are, both layouts, checked and trusted, and every exact variant of
-// the walk give one answer; nothing is corrupt; no ray that leaves a face meets it; intervals that share an
-// end share no hit and lose none; closed surfaces are crossed in pairs.
+// the walk, alone or in a tile of others, give one answer; nothing is corrupt; no ray that leaves a face
+// meets it; intervals that share an end share no hit and lose none; closed surfaces are crossed in pairs.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -179,15 +179,25 @@ void check(std::span<const std::byte> bytes) {
       if (leaving > 0) require(!met);
       if (leaving < 0) require(met && hit.t == 0);
     }
-    // Any place sees itself; whoever sees is seen, unless the way runs along a face that one of them is on.
+    const std::vector<Vec3f> directions = fan(direction, reader);
+    const std::vector<Hit> together = mesh.by_all([&](const auto& view) {
+      std::vector<Hit> hits(directions.size());
+      first_hits(view, from, directions, hits);
+      return hits;
+    });
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      Hit alone = first_hit(mesh.tet16.trusted, from, directions[i]);
+      alone.steps = 0;
+      require(same(together[i], alone));
+    }
+    // Any place sees itself, and whoever sees is seen.
     const auto sees = [&](const Location& a, const Location& b) {
       return mesh.by_all([&](const auto& view) { return occlusion(view, a, b); });
     };
     const Outcome there = sees(start, from), back = sees(from, start);
     require(there != Outcome::corrupt && back != Outcome::corrupt);
     using enum Location::State;
-    if (start.state != absent && from.state != absent && from.face == Location::kNoFace)
-      require(there == back);
+    if (start.state != absent && from.state != absent) require(there == back);
     if (start.state != absent && finite(origin)) require(sees(start, start) == Outcome::miss);
 
     if (hit.outcome != Outcome::hit) break;

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "tetfmt/traverse.hpp"
 
@@ -48,5 +49,17 @@ class Reader {
  private:
   std::span<const std::byte> bytes_;
 };
+
+/// A fan of directions around one, as many as are walked together at least.
+inline std::vector<tetfmt::Vec3f> fan(const tetfmt::Vec3f& middle, Reader& reader) {
+  std::vector<tetfmt::Vec3f> directions(24, middle);
+  for (std::size_t i = 1; i < directions.size(); ++i) {
+    const float width = i < 12 ? 0x1p-20f : 0.25f;
+    directions[i].x += width * static_cast<float>(reader.take<std::int8_t>()) / 64;
+    directions[i].y += width * static_cast<float>(reader.take<std::int8_t>()) / 64;
+    directions[i].z += width * static_cast<float>(reader.take<std::int8_t>()) / 64;
+  }
+  return directions;
+}
 
 }  // namespace tetfmt_test

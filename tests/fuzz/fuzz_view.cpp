@@ -65,16 +65,20 @@ struct Answers {
     outcomes[1] = tetfmt::occlusion(view, from, other);
     outcomes[2] = tetfmt::occlusion(view, other, from);
     outcomes[3] = tetfmt::all_hits(view, from, ray.direction, hits);
+    Reader reader(file.bytes().last(std::min<std::size_t>(file.bytes().size(), 72)));
+    const std::vector<tetfmt::Vec3f> directions = fan(ray.direction, reader);
+    together.resize(directions.size());
+    (void)tetfmt::first_hits(view, from, directions, together);
     for (const tetfmt::Hit* hit : {&first, &bounded, &rough}) require(hit->steps <= file.tet_count() + 1);
     require(hits.size() <= file.tet_count() + 1);
   }
   bool same_as(const Answers<tetfmt::FileView>& other) const {
     return same(first, other.first) && same(bounded, other.bounded) && same(rough, other.rough) &&
-           outcomes == other.outcomes && same(hits, other.hits);
+           outcomes == other.outcomes && same(hits, other.hits) && same(together, other.together);
   }
   tetfmt::Hit first, bounded, rough;
   std::array<Outcome, 4> outcomes{};
-  std::vector<tetfmt::Hit> hits;
+  std::vector<tetfmt::Hit> hits, together;
 };
 
 void ask(const tetfmt::FileView& view, const tetfmt::TrustedView* trusted, const tetfmt::Location& from,
@@ -84,6 +88,9 @@ void ask(const tetfmt::FileView& view, const tetfmt::TrustedView* trusted, const
   require(Answers<tetfmt::TrustedView>(*trusted, view, from, other, question).same_as(answers));
   require(answers.first.outcome != Outcome::corrupt && answers.bounded.outcome != Outcome::corrupt);
   for (const Outcome outcome : answers.outcomes) require(outcome != Outcome::corrupt);
+  tetfmt::Hit alone = answers.first;
+  alone.steps = 0;
+  require(same(answers.together[0], alone));
   for (const auto basis : {tetfmt::Basis::shear, tetfmt::Basis::orthonormal, tetfmt::Basis::specialised}) {
     for (const auto arithmetic : {tetfmt::Arithmetic::exact, tetfmt::Arithmetic::float_first}) {
       const tetfmt::Variant variant{arithmetic, basis};

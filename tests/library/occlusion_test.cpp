@@ -125,6 +125,7 @@ TEST_P(OcclusionOn, SidesAreSeenFromInFront) {
     if (outwards == 0) {  // in the face's own plane: behind it or in front, as the tie rule has it
       const Location other = scene_.side_of(hit, !far);
       ASSERT_FALSE(scene_.occlusion(from, side) == kSeen && scene_.occlusion(from, other) == kSeen);
+      ASSERT_EQ(scene_.occlusion(from, side), scene_.occlusion(side, from));
       continue;
     }
     const bool in_closed_box =
@@ -157,6 +158,7 @@ TEST_P(OcclusionOn, SidesSeeSides) {
     ASSERT_EQ(scene_.occlusion(from, to), expected)
         << i << (same_wall ? ", same wall" : "") << (in_a ? ", from inside" : "")
         << (in_b ? ", to inside" : "") << (from.position == to.position ? ", same point" : "");
+    ASSERT_EQ(scene_.occlusion(to, from), expected);
     seen += expected == kSeen;
     along += same_wall;
   }
