@@ -80,6 +80,7 @@ void describe_hit(const FileView& view, const FaceMet& face, const Leaving& leav
   hit.tet = leaving.tet;
   hit.neighbor = face.neighbor;
   hit.face = leaving.ids;
+  std::sort(hit.face.begin(), hit.face.end());  // however the ray came
   if (face.whole == face.piece) return;
   if (!face.whole) {
     hit.u = hit.v = std::numeric_limits<double>::quiet_NaN();

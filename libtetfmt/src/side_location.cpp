@@ -59,8 +59,7 @@ Location on_side(const FileView& view, const Hit& hit, Index side) {
   if (triangle >= view.triangles().size() || !exist(view.triangles()[triangle].vertices) || !exist(hit.face))
     return location;
 
-  std::array<Index, 3> face = hit.face;
-  std::sort(face.begin(), face.end());
+  const std::array<Index, 3>& face = hit.face;
   std::array<Vec3d, 3> corners, points;
   for (std::size_t k = 0; k < 3; ++k) {
     corners[k] = to_vec3d(vertices[view.triangles()[triangle].vertices[k]]);

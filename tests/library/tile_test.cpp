@@ -40,6 +40,7 @@ void expect_same(const Hit& tile, const Hit& alone) {
   ASSERT_EQ(tile.side, alone.side);
   ASSERT_EQ(tile.tet, alone.tet);
   ASSERT_EQ(tile.neighbor, alone.neighbor);
+  ASSERT_EQ(tile.face, alone.face);
   ASSERT_TRUE(same(tile.t, alone.t) && same(tile.u, alone.u) && same(tile.v, alone.v));
   ASSERT_TRUE(same(tile.side_u, alone.side_u) && same(tile.side_v, alone.side_v));
   ASSERT_EQ(tile.steps, 0u);

@@ -39,6 +39,15 @@ struct CameraSeries {
 void camera_series(const tetfmt::TrustedView& view, const tetfmt::TrustedView* other,
                    const CameraSeries& options);
 
+/// The rays of one view: from in front of the surface's middle, `distance` tenths of its largest extent away,
+/// in squares of pixels.
+std::vector<tetfmt::Ray> camera_view(const tetfmt::FileView& view, float distance,
+                                     const CameraSeries& options);
+
+/// Every arithmetic and basis of tetfmt/kernels.hpp on the view at distance 6.5 and on rays from what it
+/// shows. Writes a table to standard output.
+void compare_variants(const tetfmt::TrustedView& view, const CameraSeries& options);
+
 /// Opening and validating the file at `path`, `repeats` times. Writes a table to standard output.
 void file_costs(const std::string& path, int repeats);
 

@@ -49,6 +49,7 @@ int run_camera(const BenchOptions& options) {
   tetbench::file_costs(path, options.series.repeats);
   if (second) tetbench::file_costs(options.other, options.series.repeats);
   tetbench::camera_series(*first.view, second ? &*second->view : nullptr, options.series);
+  tetbench::compare_variants(*first.view, options.series);
   return 0;
 }
 

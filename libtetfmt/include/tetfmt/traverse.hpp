@@ -61,7 +61,7 @@ struct Hit {
   Index neighbor = kNone;   ///< the tetrahedron beyond the face; kNone if the file leaves it out
   std::uint32_t steps = 0;  ///< tetrahedra visited
   double side_u = 0, side_v = 0;  ///< weights in the side's own triangle: u and v, unless triangles were cut
-  std::array<Index, 3> face{};    ///< the vertices of the face that was met
+  std::array<Index, 3> face{};    ///< the vertices of the face that was met, ascending
 };
 
 /// A place where rays start or end, and what each of them needs to know of it: made once by `locate`,
