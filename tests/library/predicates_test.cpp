@@ -33,7 +33,8 @@ Vector perturbed(const Corner& corner) {
   return v;
 }
 
-/// The infinitesimal of a lift is 2^-16: its third power is far larger than e, and no power meets a coefficient.
+/// The infinitesimal of a lift is 2^-16: its third power is far larger than e, and no power meets a
+/// coefficient.
 Vector lifted(const Place& place) {
   Vector v = vector(place.point);
   for (std::size_t j = 0; j < 3; ++j) v[j] += Integer(static_cast<int>(place.lift[j])) << (kUnit - 16);

@@ -162,8 +162,9 @@ std::optional<Finding> Judge::hit(const ExactLine& line, const tetfmt::Interval&
   if (hit.tet != mesh.sides[hit.side].tet) return finding("tet " + std::to_string(hit.tet));
   if (hit.neighbor != mesh.sides[tetfmt::twin(hit.side)].tet)
     return finding("neighbor " + std::to_string(hit.neighbor));
-  if (!std::is_permutation(face.begin(), face.end(), hit.face.begin()))
-    return finding("face has other corners");
+  Face ascending = face;
+  std::sort(ascending.begin(), ascending.end());
+  if (hit.face != ascending) return finding("face has other corners");
   if (!(hit.t >= interval.t_min && hit.t >= 0 && hit.t <= interval.t_max))
     return finding("t = " + number(hit.t) + " is not in the interval");
 

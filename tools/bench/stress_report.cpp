@@ -68,7 +68,8 @@ std::string reproducer_text(const Reproducer& r) {
 }
 
 Json tally_json(const Tally& t) {
-  Json json = {{"rays", t.rays}, {"hits", t.hits}, {"all_hits_crossings", t.crossings}};
+  Json json = {
+      {"rays", t.rays}, {"hits", t.hits}, {"all_hits_crossings", t.crossings}, {"leaving_rays", t.leaving}};
   for (std::size_t i = 0; i < t.faults.size(); ++i) json["faults"][kFaultNames[i]] = t.faults[i];
   json["float_kernel"] = {{"wrong", t.float_wrong}, {"lost", t.float_lost}};
   const auto ulps = [](const UlpHistogram& histogram) {
@@ -137,6 +138,8 @@ std::string stress_table(const StressResult& result, const StressOptions& option
                      static_cast<unsigned long long>(total.peers[i].rays),
                      static_cast<unsigned long long>(total.peers[i].wrong),
                      static_cast<unsigned long long>(total.peers[i].missed));
+  text += format("besides, %llu rays off sides of faces, only asked not to meet their own face\n",
+                 static_cast<unsigned long long>(total.leaving));
   text += format("%.1f s, %.2f million rays a second\n", result.seconds,
                  static_cast<double>(total.rays) / result.seconds / 1e6);
   for (const StressRow& row : result.rows)
@@ -153,7 +156,7 @@ std::string stress_csv(const StressResult& result) {
   text += ",ulp_max,shallow_hits,shallow_ulp_99_99,shallow_ulp_max,in_double,in_double2,exact,tied";
   for (const char* name : kPeerNames)
     text += std::string(",") + name + "_rays," + name + "_wrong," + name + "_missed";
-  text += ",thread_seconds\n";
+  text += ",leaving_rays,thread_seconds\n";
   for (const StressRow& row : result.rows) {
     const Tally& t = row.tally;
     std::string file = row.file;
@@ -177,6 +180,7 @@ std::string stress_csv(const StressResult& result) {
       add(peer.wrong);
       add(peer.missed);
     }
+    add(t.leaving);
     add(t.seconds);
     text += "\n";
   }

@@ -43,6 +43,7 @@ void Tally::add(const Tally& more) {
   rays += more.rays;
   hits += more.hits;
   crossings += more.crossings;
+  leaving += more.leaving;
   for (std::size_t i = 0; i < faults.size(); ++i) faults[i] += more.faults[i];
   float_wrong += more.float_wrong;
   float_lost += more.float_lost;

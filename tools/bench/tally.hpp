@@ -62,6 +62,8 @@ struct PeerTally {
 struct Tally {
   static constexpr std::size_t kExamples = 10;
   std::uint64_t rays = 0, hits = 0, crossings = 0;
+  std::uint64_t leaving =
+      0;  ///< rays off sides of faces, besides `rays`, only asked not to meet their own face
   std::array<std::uint64_t, kFaultNames.size()> faults{};
   std::uint64_t float_wrong = 0, float_lost = 0;  ///< Kernel::float_only, of `rays` without segments
   UlpHistogram steep, shallow;                    ///< errors of t, of hits at more than 1 degree and at less

@@ -38,12 +38,6 @@ bool same_answer(const Hit& a, const Hit& b) {
          a.neighbor == b.neighbor && same_bits(a.side_u, b.side_u) && same_bits(a.side_v, b.side_v) &&
          a.face == b.face;
 }
-/// The same with the face's corners in any order.
-bool same_but_order(Hit a, Hit b) {
-  std::sort(a.face.begin(), a.face.end());
-  std::sort(b.face.begin(), b.face.end());
-  return same_answer(a, b);
-}
 /// The first thing in which two answers differ, for people.
 std::string difference(const Hit& a, const Hit& b) {
   const auto text = [](const Hit& hit) {
@@ -248,7 +242,7 @@ void Tester::shared() {
   const auto compare = [&](const auto& view) {
     tetfmt::first_hits(view, start.location, directions, together);
     for (std::size_t i = 0; i < directions.size(); ++i) {
-      if (same_but_order(alone[i], together[i])) continue;
+      if (same_answer(alone[i], together[i])) continue;
       about(start, wide(directions[i]), {});
       report(differs("first_hit and first_hits: " + difference(alone[i], together[i])));
     }
@@ -267,7 +261,32 @@ Start Tester::side_of(const Hit& hit, bool far) {
   report(bench_.judge.side_location(start, hit));
   if (!same(place(scene.view(1).view()), start.location))
     report(differs(std::string(kOthers) + "near_side or far_side"));
+  leave(start);
   return start;
+}
+
+/// Many rays into the half space in front of the side, which only have to leave it: that takes no truth.
+void Tester::leave(const Start& start) {
+  constexpr int kRays = 32;
+  const Surface& surface = bench_.scene.surface();
+  const GridPoint normal = surface.normal(surface.faces[start.side / 2]);
+  const double front = start.side % 2 == 0 ? 1 : -1;
+  const Vec3d n = {front * static_cast<double>(normal[0]), front * static_cast<double>(normal[1]),
+                   front * static_cast<double>(normal[2])};
+  for (int i = 0; i < kRays; ++i) {
+    Vec3f direction = rounded(dice_.direction());
+    const double along = dot(n, wide(direction));
+    // Twelve roundings at most: what is farther from zero has the right sign.
+    if (!(std::abs(along) > 1e-14 * std::sqrt(dot(n, n)))) continue;
+    if (along < 0) direction = {-direction.x, -direction.y, -direction.z};
+    ++tally_.leaving;
+    const Hit hit = tetfmt::first_hit(bench_.scene.view(0), start.location, direction);
+    if (hit.outcome == Outcome::miss || (hit.outcome == Outcome::hit && hit.side / 2 != start.side / 2))
+      continue;
+    about(start, wide(direction), {});
+    report(
+        Finding{hit.outcome == Outcome::hit ? Fault::self_hit : Fault::hung, "a ray that leaves its side"});
+  }
 }
 
 /// Directions off the side: diffuse, mirrored, refracted; and some that no renderer would ask for: into the

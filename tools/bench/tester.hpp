@@ -44,6 +44,7 @@ class Tester {
                   bool crossings);
   void variants(const Start& start, const tetfmt::Vec3f& direction, const tetfmt::Hit& hit);
   Start side_of(const tetfmt::Hit& hit, bool far);
+  void leave(const Start& start);
   tetfmt::Vec3f bounce(const Start& start, const tetfmt::Vec3f& incoming);
   Start segment_end();
 
