@@ -5,17 +5,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <span>
 #include <vector>
 
+#include "support/same.hpp"
 #include "tetfmt/traverse.hpp"
 
 namespace tetfmt_test {
 
-inline void require(bool condition) {
-  if (!condition) std::abort();
+/// Ends the run, saying which line of the harness asked for what does not hold.
+inline void require(bool condition, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if (condition) return;
+  std::fprintf(stderr, "%s:%d: does not hold\n", file, line);
+  std::abort();
 }
 
 /// Values from bytes, front to back; zeros once they are used up.
@@ -60,6 +65,16 @@ inline std::vector<tetfmt::Vec3f> fan(const tetfmt::Vec3f& middle, Reader& reade
     directions[i].z += width * static_cast<float>(reader.take<std::int8_t>()) / 64;
   }
   return directions;
+}
+
+/// The same hit for a ray walked with others and for one walked alone: of the face, the order of its vertices
+/// is nobody's promise, and steps are not counted.
+inline bool same_but_for_the_walk(tetfmt::Hit a, tetfmt::Hit b) {
+  for (tetfmt::Hit* hit : {&a, &b}) {
+    std::sort(hit->face.begin(), hit->face.end());
+    hit->steps = 0;
+  }
+  return same(a, b);
 }
 
 }  // namespace tetfmt_test
