@@ -251,7 +251,8 @@ TEST_F(CliTest, WrongWordsAreToldPlainly) {
   EXPECT_EQ(choice.exit_code, 1);
   EXPECT_TRUE(is_one_line(choice.err, "tet query", {"--kernel", "must be exact or float, not fast"}));
   const RunResult more = tet({"trace", "a.tet", "-o", "a.png", "--shade", "red"});
-  EXPECT_TRUE(is_one_line(more.err, "tet trace", {"must be scene, lambert, normal, depth or steps, not red"}));
+  EXPECT_TRUE(
+      is_one_line(more.err, "tet trace", {"must be scene, lambert, normal, depth or steps, not red"}));
 }
 
 TEST_F(CliTest, UnreadableFilesAreNamedOnce) {

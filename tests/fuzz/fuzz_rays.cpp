@@ -186,7 +186,7 @@ void check(std::span<const std::byte> bytes) {
       return hits;
     });
     for (std::size_t i = 0; i < directions.size(); ++i)
-      require(same_but_for_the_walk(together[i], first_hit(mesh.tet16.trusted, from, directions[i])));
+      require(same_but_for_steps(together[i], first_hit(mesh.tet16.trusted, from, directions[i])));
     // Any place sees itself, and whoever sees is seen.
     const auto sees = [&](const Location& a, const Location& b) {
       return mesh.by_all([&](const auto& view) { return occlusion(view, a, b); });

@@ -67,13 +67,9 @@ inline std::vector<tetfmt::Vec3f> fan(const tetfmt::Vec3f& middle, Reader& reade
   return directions;
 }
 
-/// The same hit for a ray walked with others and for one walked alone: of the face, the order of its vertices
-/// is nobody's promise, and steps are not counted.
-inline bool same_but_for_the_walk(tetfmt::Hit a, tetfmt::Hit b) {
-  for (tetfmt::Hit* hit : {&a, &b}) {
-    std::sort(hit->face.begin(), hit->face.end());
-    hit->steps = 0;
-  }
+/// The same hit for a ray walked with others, whose steps are not counted, and for one walked alone.
+inline bool same_but_for_steps(tetfmt::Hit a, tetfmt::Hit b) {
+  a.steps = b.steps = 0;
   return same(a, b);
 }
 

@@ -88,7 +88,7 @@ void ask(const tetfmt::FileView& view, const tetfmt::TrustedView* trusted, const
   require(Answers<tetfmt::TrustedView>(*trusted, view, from, other, question).same_as(answers));
   require(answers.first.outcome != Outcome::corrupt && answers.bounded.outcome != Outcome::corrupt);
   for (const Outcome outcome : answers.outcomes) require(outcome != Outcome::corrupt);
-  require(same_but_for_the_walk(answers.together[0], answers.first));
+  require(same_but_for_steps(answers.together[0], answers.first));
   for (const auto basis : {tetfmt::Basis::shear, tetfmt::Basis::orthonormal, tetfmt::Basis::specialised}) {
     for (const auto arithmetic : {tetfmt::Arithmetic::exact, tetfmt::Arithmetic::float_first}) {
       const tetfmt::Variant variant{arithmetic, basis};
