@@ -81,6 +81,17 @@ RaysFrom from_surface(const tetfmt::TrustedView& view, const RaysFrom& camera, D
   return result;
 }
 
+/// Along lines through two vertices of the mesh, from the first: what float signs cannot tell.
+RaysFrom between_vertices(const tetfmt::TrustedView& view, std::size_t count, Dice& dice) {
+  RaysFrom result;
+  const auto vertices = view.view().vertices();
+  while (result.size() < count) {
+    const Vec3f &a = vertices[dice.below(vertices.size())], &b = vertices[dice.below(vertices.size())];
+    if (a != b) result.add(tetfmt::locate(view, a), {b.x - a.x, b.y - a.y, b.z - a.z});
+  }
+  return result;
+}
+
 void compare(const char* title, const tetfmt::TrustedView& view, const RaysFrom& rays, int repeats) {
   std::array<std::vector<double>, std::size(kVariants)> times;
   std::array<Answers, std::size(kVariants)> answers;
@@ -128,6 +139,7 @@ void compare_variants(const tetfmt::TrustedView& view, const CameraSeries& optio
   compare("Camera rays, shuffled", view, shuffled(camera, dice), options.repeats);
   compare("Rays from the surface, unbounded, in the picture's order", view, surface, options.repeats);
   compare("Rays from the surface, unbounded, shuffled", view, shuffled(surface, dice), options.repeats);
+  compare("Rays from vertex to vertex", view, between_vertices(view, camera.size(), dice), options.repeats);
 }
 
 }  // namespace tetbench
