@@ -101,6 +101,12 @@ Location locate(const TrustedView& view, Vec3f point, const Cell* from = nullptr
 /// is a hit of this file. O(1).
 Location near_side(const FileView& view, const Hit& hit);
 Location far_side(const FileView& view, const Hit& hit);
+inline Location near_side(const TrustedView& view, const Hit& hit) {
+  return near_side(view.view(), hit);
+}
+inline Location far_side(const TrustedView& view, const Hit& hit) {
+  return far_side(view.view(), hit);
+}
 
 /// The first constrained face that the ray from `from` along `direction` meets within the interval. A ray
 /// that starts outside enters through the hull; one whose interval begins later passes through the faces
