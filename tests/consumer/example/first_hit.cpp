@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The whole of reading: map a file, prove it, find a point, shoot a ray.
+// The whole of reading: map a file, prove it, find a point, shoot a ray, and look from where it hits to a
+// lamp.
 #include <cstdio>
 
 #include "tetfmt/mapped_file.hpp"
@@ -25,6 +26,9 @@ int main(int argc, char** argv) {
   if (hit.outcome == tetfmt::Outcome::hit) {
     std::printf("triangle %u at t = %g, seen from its %s\n", hit.triangle, hit.t,
                 hit.back ? "back" : "front");
+    const tetfmt::Location here = tetfmt::near_side(*view, hit);  // exactly on the surface: no offset
+    const tetfmt::Location lamp = tetfmt::locate(*view, {2, 1.5F, 3});
+    std::puts(tetfmt::occlusion(*view, here, lamp) == tetfmt::Outcome::miss ? "lit" : "in shadow");
   } else {
     std::puts("nothing there");
   }
