@@ -11,7 +11,7 @@ namespace {
 
 class Embree : public Tracer {
  public:
-  Embree(const tetfmt::FileView& view, bool robust) : robust_(robust), device_(rtcNewDevice("threads=1")) {
+  Embree(const tetfmt::FileView& view, bool robust) : robust_(robust), device_(rtcNewDevice(nullptr)) {
     if (!device_) throw tetprep::Failure(tetprep::ExitCode::runtime, "Embree: no device");
     scene_ = rtcNewScene(device_);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
