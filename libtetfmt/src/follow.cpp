@@ -32,11 +32,7 @@ Vec3d lift_of(const FileView& view, const Location& from) {
   if (from.positive) std::swap(f[1], f[2]);  // turned inwards
   std::array<Vec3d, 3> p;
   for (std::size_t k = 0; k < 3; ++k) p[k] = to_vec3d(view.vertices()[from.cell.vertices[f[k]]]);
-  Vec3d normal{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-    normal[k] = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
-  }
+  const Vec3d normal = cross(minus(p[1], p[0]), minus(p[2], p[0]));
   const std::size_t axis = Axes(normal).largest;
   lift[axis] = std::copysign(1.0, normal[axis]);
   return lift;

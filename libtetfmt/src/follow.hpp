@@ -33,10 +33,6 @@ void describe_hit(const FileView& view, const FaceMet& face, const Leaving& leav
 /// The same for one ray: Outcome::corrupt if an index does not exist.
 void describe_hit(const FileView& view, const Line& line, const Leaving& leaving, Hit& hit);
 
-inline bool is_finite(const Vec3d& v) {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
-
 inline Line line_from(const FileView& view, const Location& from, const Vec3f& direction) {
   const Vec3d lift = from.face == Location::kNoFace ? Vec3d{} : lift_of(view, from);
   return {{from.position, lift}, to_vec3d(direction), {}, false};
@@ -90,9 +86,6 @@ inline std::optional<Passage> leave_face(const FileView& view, const Line& line,
   const auto& v = start.cell.vertices;
   const auto at = [&](std::size_t k) { return to_vec3d(view.vertices()[v[f[k]]]); };
   const Vec3d a = at(0), b = at(1), c = at(2);
-  const auto minus = [](const Vec3d& p, const Vec3d& q) {
-    return Vec3d{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-  };
   if (certified_sign(line.direction, minus(b, a), minus(c, a)) <= 0) return std::nullopt;
   return Passage{start.cell.neighbors[start.face], {v[f[0]], v[f[1]], v[f[2]]}, start.cell.tet, 0};
 }

@@ -11,19 +11,6 @@ namespace {
 
 using Vec = Vec3d;
 
-Vec vec(const Vec3f& p) {
-  return to_vec3d(p);
-}
-Vec operator-(const Vec& a, const Vec& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-double dot(const Vec& a, const Vec& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vec cross(const Vec& a, const Vec& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// A sum and what rounding it left over, exactly (Knuth).
 struct Sum {
   double value, rest;
@@ -52,20 +39,17 @@ struct SplitProduct {
   }
 };
 
-/// a . (b + rest) as if in twice the precision, rounded once (Ogita, Rump and Oishi 2005, Dot2): the error is
-/// one rounding of the result, and some 2^-102 of the sum of the products' sizes.
+/// a . b + rest as if in twice the precision, rounded once (Ogita, Rump and Oishi 2005, Dot2): the error is
+/// one rounding of the result, and less than 2^-100 of `size`, the sum of the products' sizes.
+struct AccurateDot {
+  double value, size;
+};
 template <class Product>
-[[gnu::always_inline]] inline double accurate_dot(const Vec& a, const Vec& b, const Vec& rest) {
+[[gnu::always_inline]] inline AccurateDot accurate_dot(const Vec& a, const Vec& b, double rest) {
   const Sum x = Product::of(a[0], b[0]), y = Product::of(a[1], b[1]), z = Product::of(a[2], b[2]);
   const Sum xy = Sum::of(x.value, y.value), xyz = Sum::of(xy.value, z.value);
-  return xyz.value + ((x.rest + y.rest + z.rest) + (xy.rest + xyz.rest) + dot(a, rest));
-}
-
-std::size_t main_axis(const Vec& n) {
-  std::size_t axis = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
-  return axis;
+  return {xyz.value + ((x.rest + y.rest + z.rest) + (xy.rest + xyz.rest) + rest),
+          std::abs(x.value) + std::abs(y.value) + std::abs(z.value)};
 }
 
 /// The part of the ray that projects into the triangle along `axis` (edge functions are linear in t).
@@ -75,7 +59,7 @@ std::array<double, 2> clip(const std::array<Vec, 3>& to_corner, const Vec& d, st
   double first = 0, last = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec& a = to_corner[k];
-    const Vec edge = to_corner[(k + 1) % 3] - a;
+    const Vec edge = minus(to_corner[(k + 1) % 3], a);
     const double inside = orientation * (edge[j] * a[i] - edge[i] * a[j]);  // at t = 0
     const double growth = orientation * (edge[i] * d[j] - edge[j] * d[i]);  // per t
     if (growth > 0) first = std::max(first, -inside / growth);
@@ -87,13 +71,13 @@ std::array<double, 2> clip(const std::array<Vec, 3>& to_corner, const Vec& d, st
 /// For rays (nearly) in the triangle's plane: the quotient for t has lost its digits, the outline has not.
 [[gnu::noinline, gnu::cold]] TrianglePoint graze(const std::array<Vec, 3>& to_corner, const Vec& d,
                                                  const Vec& n) {
-  const std::size_t axis = main_axis(n);
+  const std::size_t axis = Axes(n).largest;
   const auto [first, last] = clip(to_corner, d, axis, n[axis] > 0 ? 1 : -1);
   TrianglePoint point;
   const double quotient = dot(n, to_corner[0]) / dot(n, d);
   point.t = quotient >= first ? std::min(quotient, last) : first;  // NaN and too small alike: the entry
 
-  const Vec ab = to_corner[1] - to_corner[0], ac = to_corner[2] - to_corner[0];
+  const Vec ab = minus(to_corner[1], to_corner[0]), ac = minus(to_corner[2], to_corner[0]);
   const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
   const double x = point.t * d[i] - to_corner[0][i], y = point.t * d[j] - to_corner[0][j];
   point.u = (x * ac[j] - y * ac[i]) / n[axis];
@@ -105,10 +89,11 @@ std::array<double, 2> clip(const std::array<Vec, 3>& to_corner, const Vec& d, st
 
 TrianglePoint from_piece(const TrianglePoint& at, const std::array<Vec3f, 3>& piece,
                          const std::array<Vec3f, 3>& whole) {
-  const Vec a = vec(whole[0]), ab = vec(whole[1]) - a, ac = vec(whole[2]) - a;
-  const Vec p = vec(piece[0]) - a, q = vec(piece[1]) - a, r = vec(piece[2]) - a;
+  const Vec a = to_vec3d(whole[0]), ab = minus(to_vec3d(whole[1]), a), ac = minus(to_vec3d(whole[2]), a);
+  const Vec p = minus(to_vec3d(piece[0]), a), q = minus(to_vec3d(piece[1]), a),
+            r = minus(to_vec3d(piece[2]), a);
   const Vec n = cross(ab, ac);
-  const std::size_t axis = main_axis(n), i = (axis + 1) % 3, j = (axis + 2) % 3;
+  const std::size_t axis = Axes(n).largest, i = (axis + 1) % 3, j = (axis + 2) % 3;
   const auto blend = [&](std::size_t k) { return (1 - at.u - at.v) * p[k] + at.u * q[k] + at.v * r[k]; };
   const double x = blend(i), y = blend(j);
   TrianglePoint point;
@@ -126,24 +111,28 @@ template <class Product>
                                                        const Vec3f& c) {
   Vec to_a, rest;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Sum difference = Sum::of(vec(a)[k], -o[k]);
+    const Sum difference = Sum::of(to_vec3d(a)[k], -o[k]);
     to_a[k] = difference.value;
     rest[k] = difference.rest;
   }
-  const Vec ab = vec(b) - vec(a), ac = vec(c) - vec(a);
+  const Vec ab = minus(to_vec3d(b), to_vec3d(a)), ac = minus(to_vec3d(c), to_vec3d(a));
   const Vec n = cross(ab, ac);
-  return {n, cross(ac, to_a), cross(to_a, ab), accurate_dot<Product>(n, to_a, rest), dot(n, n)};
+  auto [height, size] = accurate_dot<Product>(n, to_a, dot(n, rest));
+  // An origin that is close to the plane, measured by its distance to a: what cancels is more than Dot2 can
+  // spare.
+  if (std::abs(height) <= 0x1p-40 * size) height = plane_height(o, a, b, c);
+  return {n, cross(ac, to_a), cross(to_a, ab), height, dot(n, n)};
 }
 
 template <class Product>
 [[gnu::always_inline]] inline TrianglePoint intersect_by(const Vec3d& o, const Vec3d& d, const Vec3f& a,
                                                          const Vec3f& b, const Vec3f& c) {
   const TriangleFrom triangle = triangle_by<Product>(o, a, b, c);
-  const double along = accurate_dot<Product>(triangle.normal, d, {});
+  const double along = accurate_dot<Product>(triangle.normal, d, 0).value;
   TrianglePoint point;
   // (Squares of products of float32 values neither overflow nor underflow in double precision.)
   if (along * along <= kGrazing2 * (triangle.normal2 * dot(d, d))) {
-    point = graze({vec(a) - o, vec(b) - o, vec(c) - o}, d, triangle.normal);
+    point = graze({minus(to_vec3d(a), o), minus(to_vec3d(b), o), minus(to_vec3d(c), o)}, d, triangle.normal);
   } else {
     // Moeller and Trumbore (1997), arranged so that t comes from the normal, which is exact.
     point.t = triangle.height / along;

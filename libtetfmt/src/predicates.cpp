@@ -153,10 +153,6 @@ int perturbed_sign(const Matrix<Integer>& matrix, const Motion& motion, Decided&
   return 0;
 }
 
-Vec3d minus(const Vec3d& a, const Vec3d& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 }  // namespace
 
 int certified_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -216,19 +212,21 @@ bool behind(const Corner& a, const Corner& b, const Corner& c, const Place& plac
 bool behind(const Corner& a, const Corner& b, const Corner& c, const Line& line, double t) {
   const Vec3d pa = to_vec3d(a.point), pb = to_vec3d(b.point), pc = to_vec3d(c.point), &o = line.origin.point;
   // (a - o - t d) . n: the first factor is off by at most two roundings of |a - o| + |t d|, n by those that
-  // certified_sign allows for; products and sums add five. 16 covers them all.
+  // certified_sign allows for; products and sums add five. 16 covers them all, unless t d underflows.
   {
     const Vec3d ab = minus(pb, pa), ac = minus(pc, pa);
     double value = 0, permanent = 0;
+    bool normal = true;
     for (std::size_t i = 0; i < 3; ++i) {
       const double p = ab[(i + 1) % 3] * ac[(i + 2) % 3], q = ab[(i + 2) % 3] * ac[(i + 1) % 3];
       const double to_a = pa[i] - o[i], along = t * line.direction[i];
+      normal = normal && (std::abs(along) > 0x1p-700 || t == 0 || line.direction[i] == 0);
       value += (to_a - along) * (p - q);
       permanent += (std::abs(to_a) + std::abs(along)) * (std::abs(p) + std::abs(q));
     }
     const double bound = 16 * kEpsilon * permanent;
-    if (value > bound) return true;
-    if (value < -bound) return false;
+    if (normal && value > bound) return true;
+    if (normal && value < -bound) return false;
   }
   const BitRange points = bit_range<4>({pa, pb, pc, o}), directions = bit_range<1>({line.direction});
   const Decomposed time = decompose(t);
@@ -248,6 +246,26 @@ bool behind(const Corner& a, const Corner& b, const Corner& c, const Line& line,
   const Vec3d away = minus({}, line.origin.lift);
   Decided how;
   return perturbed_sign<Widest>(rows, {{a.id, b.id, c.id}, {away, away, away}}, how) > 0;
+}
+
+double plane_height(const Vec3d& origin, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  const Vec3d pa = to_vec3d(a), pb = to_vec3d(b), pc = to_vec3d(c);
+  const int scale = bit_range<4>({pa, pb, pc, origin}).lowest;
+  Wide value = determinant<Wide>({difference<Wide>(pa, origin, scale), difference<Wide>(pb, pa, scale),
+                                  difference<Wide>(pc, pa, scale)});
+  if (value == 0) return 0;
+  const bool negative = value < 0;
+  if (negative) value = -value;
+  // To 64 bits, the last of which stands for all below: then one rounding is the rounding of the whole.
+  const auto excess = static_cast<int>(msb(value)) - 63;
+  if (excess > 0) {
+    const bool inexact = static_cast<int>(lsb(value)) < excess;
+    value >>= static_cast<unsigned>(excess);
+    if (inexact) value |= 1;
+  }
+  const double size =
+      std::ldexp(static_cast<double>(static_cast<std::uint64_t>(value)), 3 * scale + std::max(excess, 0));
+  return negative ? -size : size;
 }
 
 }  // namespace tetfmt::detail

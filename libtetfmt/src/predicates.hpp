@@ -12,14 +12,9 @@
 #include <cstdint>
 
 #include "tetfmt/types.hpp"
+#include "vec3d.hpp"
 
 namespace tetfmt::detail {
-
-using Vec3d = std::array<double, 3>;
-
-inline Vec3d to_vec3d(const Vec3f& p) {
-  return {p.x, p.y, p.z};
-}
 
 /// A point, exactly as given. One on a side of a face is thought of as moved by an infinitesimal along
 /// `lift`: larger than those by which vertices move, so that it is off its face whatever they do.
@@ -67,5 +62,8 @@ bool behind(const Corner& a, const Corner& b, const Corner& c, const Line& line,
 /// Sign of det[a, b, c] if double precision certifies it; 0 if not. The entries may carry one rounding each;
 /// the bound is that of Shewchuk (1997), orient3d stage A.
 int certified_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
+/// ((b - a) x (c - a)) . (a - origin), rounded once.
+double plane_height(const Vec3d& origin, const Vec3f& a, const Vec3f& b, const Vec3f& c);
 
 }  // namespace tetfmt::detail

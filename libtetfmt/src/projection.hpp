@@ -4,7 +4,7 @@
 // interface:
 //
 //   Point2<Real> operator()(const Vec3f&)   the projected vertex
-//   kErrors                                 a bound, see ExactSigns
+//   kErrorBound                                 a bound, see ExactSigns
 //
 // A Projection<double> is made of a line, a Projection<float> of one in double.
 #pragma once
@@ -23,35 +23,18 @@ struct Point2 {
   Real x = 0, y = 0;
 };
 
-/// A coordinate by its axis: x, y, z are contiguous, as the file has them.
-inline float coordinate(const Vec3f& point, std::size_t axis) {
-  return (&point.x)[axis];
-}
-
-/// Axes by the size of the direction's components.
-struct Axes {
-  std::size_t smallest, middle, largest;
-  explicit Axes(const Vec3d& d) : smallest(0), middle(0), largest(0) {
-    for (std::size_t axis = 1; axis < 3; ++axis)
-      if (std::abs(d[axis]) > std::abs(d[largest])) largest = axis;
-    smallest = (largest + 1) % 3;
-    middle = (largest + 2) % 3;
-    if (std::abs(d[middle]) < std::abs(d[smallest])) std::swap(smallest, middle);
-  }
-};
-
 /// Shear along the line onto the plane orthogonal to its largest component k (Woop, Benthin and Wald 2013):
 /// x = A_i - A_k d_i/d_k, y = A_j - A_k d_j/d_k with A = point - origin; i and j are swapped where d_k is
 /// negative. The two ratios are at most 1.
 template <class Real>
 class ShearProjection {
  public:
-  /// With u = 2^-53 and all |A| at most L in each coordinate: A and the slopes carry one rounding each (a
-  /// slope of a line through a point, three), their product and the difference one more, so each projected
-  /// coordinate is off by at most 10 u L (to first order) and is at most 2 L. A cross product then is off by
-  /// at most 4 * (10 u L) * 2 L for its inputs and 2 * u * 8 L^2 for its own roundings: 96 u L^2; the rest is
-  /// room for terms of second order.
-  static constexpr double kErrors = 128;
+  /// With u = 2^-53 and all |A| at most L in each coordinate: x carries a rounding of A_i (u L), those of A_k
+  /// (u L) and of the slope (u L; of a line through a point, 3 u L), one of their product (u L) and one of
+  /// the difference (2 u L): 8 u L to first order, and is at most 2 L. A cross product then is off by at most
+  /// 4 * 8 u L * 2 L for its inputs and 2 * u * 8 L^2 for its own roundings: 80 u L^2; the rest is room for
+  /// terms of second order.
+  static constexpr double kErrorBound = 128;
 
   explicit ShearProjection(const Line& line) {
     const Vec3d& d = line.direction;
@@ -96,7 +79,7 @@ class OrthonormalProjection {
   /// A basis vector is off by at most 20 u and the products and sums of its dot product by 5 u more, times
   /// |A| <= sqrt(3) L; coordinates are at most sqrt(3) L: 4 * 25 * 3 u L^2 for the inputs of a cross product
   /// and 12 u L^2 for its own roundings.
-  static constexpr double kErrors = 512;
+  static constexpr double kErrorBound = 512;
 
   explicit OrthonormalProjection(const Line& line) {
     const Vec3d& d = line.direction;
@@ -148,7 +131,7 @@ struct Specialised {
     /// No component exceeds 1 nor carries more than 6 roundings. x is off by at most 8 u L and at most 2 L, y
     /// by 20 u L and 2.5 L: 2 * (8 * 2.5 + 20 * 2) u L^2 for the inputs and 20 u L^2 for a cross product's
     /// roundings.
-    static constexpr double kErrors = 256;
+    static constexpr double kErrorBound = 256;
 
     explicit Projection(const Line& line) {
       const Vec3d& d = line.direction;

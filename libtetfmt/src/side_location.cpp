@@ -18,19 +18,12 @@ using namespace detail;
 /// of 2^-26 give points whose coordinates a double holds exactly: sums of products of 50 bits.
 constexpr int kWeightBits = 26;
 
-/// The point nearest to `point` (up to a rounding of the weights) that is exactly in the face's plane and
+/// A point next to `point`, off by a rounding of the weights, that is exactly in the face's plane and
 /// strictly inside the face. `corners` are not collinear.
 Vec3d inside_face(const std::array<Vec3d, 3>& corners, const Vec3d& point) {
-  const auto minus = [](const Vec3d& a, const Vec3d& b) {
-    return Vec3d{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  };
   const Vec3d ab = minus(corners[1], corners[0]), ac = minus(corners[2], corners[0]),
               ap = minus(point, corners[0]);
-  Vec3d normal{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-    normal[k] = ab[i] * ac[j] - ab[j] * ac[i];
-  }
+  const Vec3d normal = cross(ab, ac);
   const std::size_t axis = Axes(normal).largest, i = (axis + 1) % 3, j = (axis + 2) % 3;
   constexpr double kOne = 1 << kWeightBits;
   const auto weight = [&](double area) {

@@ -40,8 +40,8 @@ class Counting {
   SignCounts* counts_;
 };
 
-/// How far the mesh reaches from the line's origin, along any axis. Infinity or NaN if either is not finite:
-/// then no sign is certified.
+/// How far the mesh reaches from the line's origin, along any axis. (Bounds that are no numbers, as only an
+/// invalid file has, count as nothing.)
 inline double reach(const Line& line, const Bounds& bounds) {
   const Vec3d lower = to_vec3d(bounds.lower), upper = to_vec3d(bounds.upper);
   double most = 0;
@@ -51,8 +51,8 @@ inline double reach(const Line& line, const Bounds& bounds) {
   return most;
 }
 
-/// Double precision, certified by one constant a line: Projection::kErrors roundings of reach^2. The rest by
-/// predicates.hpp.
+/// Double precision, certified by one constant a line: Projection::kErrorBound roundings of reach^2. The rest
+/// by predicates.hpp.
 template <template <class> class Projection, class Counts>
 class ExactSigns {
  public:
@@ -61,7 +61,7 @@ class ExactSigns {
   ExactSigns(const Line& line, const Bounds& bounds, std::span<const Vec3f> vertices, const Counts& counts)
       : project_(line), line_(line), vertices_(vertices), counts_(counts) {
     const double most = reach(line, bounds);
-    threshold_ = Projection<double>::kErrors * 0x1p-53 * most * most;
+    threshold_ = Projection<double>::kErrorBound * 0x1p-53 * most * most;
   }
   Point project(const Vec3f& point) const { return project_(point); }
   bool left(const Point& a, Index a_id, const Point& b, Index b_id) const {
@@ -134,8 +134,11 @@ class FloatFirstSigns {
     const Vec3d& o = exact.line().origin.point;
     const double from_zero = std::max({std::abs(o[0]), std::abs(o[1]), std::abs(o[2])});
     const double error =
-        0x1p-24 * (Projection<double>::kErrors / 4 * reach(exact.line(), bounds) + 8 * from_zero);
+        0x1p-24 * (Projection<double>::kErrorBound / 4 * reach(exact.line(), bounds) + 8 * from_zero);
     error_ = static_cast<float>(error);
+    const double most = reach(exact.line(), bounds);  // where products overflow, nothing is certain
+    if (!(16 * most * most < double{std::numeric_limits<float>::max()}))
+      error_ = std::numeric_limits<float>::infinity();
     square_ =
         static_cast<float>(4 * error * error) + std::numeric_limits<float>::min();  // products may underflow
   }

@@ -128,6 +128,7 @@ Outcome occlusion_in(const FileView& view, const Location& from, const Location&
   for (const Location* place : {&from, &to})
     if (place->state == Location::State::corrupt) return Outcome::corrupt;
   if (from.state == Location::State::absent) return Outcome::absent;
+  if (to.state == Location::State::absent) return Outcome::hit;  // behind the faces that close it off
   Line line = line_from(view, from, {});
   line.toward = {to.position, lift_of(view, to)};
   line.through_point = true;

@@ -92,6 +92,12 @@ TEST_F(CliTest, BenchRefusesWhatItCannotDo) {
   refused({file, file}, 1, {"one FILE"});
   refused({file, "--json", "a.json"}, 1, {"--stress"});
   refused({"--stress", file, "--csv", file}, 1, {file});
+  refused({"--stress", file, "--csv", "a.csv", "--json", "a.csv"}, 1, {"a.csv"});
+  refused({"--stress", file, "--csv", "-"}, 1, {"/dev/stdout"});
+  refused({"--stress", file, "--size", "9"}, 1, {"--size", "--stress"});
+  refused({file, "--rays", "9"}, 1, {"--rays", "--stress"});
+  refused({file, "--fov", "nan"}, 1, {"--fov", "nan"});
+  refused({file, "--other", file, "--size", "4"}, 7, {"other layout"});
   refused({"--stress", "none.tet"}, 2, {"none.tet"});
   write_bytes("text.tet", "no tet file");
   refused({"--stress", "text.tet", "--json", "a.json"}, 3, {"text.tet"});

@@ -153,6 +153,17 @@ TEST_F(CliTest, ScenesNeverWriteOverTheirInputs) {
   }
 }
 
+TEST_F(CliTest, ScenesNeverWriteOverTheirTextures) {
+  write_mesh("box.tet", box_mesh());
+  ASSERT_EQ(tet({"trace", "box.tet", "-o", "wood.png", "--size", "8x8"}).exit_code, 0);
+  write_bytes("scene.json", R"({"files": [{"path": "box.tet", "material": {"texture": "wood.png"}}]})");
+  const std::string before = read_bytes("wood.png");
+  const RunResult result = tet({"trace", "scene.json", "-o", "./wood.png", "--size", "9x9"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_TRUE(result.err.find("the input itself") != std::string::npos) << result.err;
+  EXPECT_EQ(read_bytes("wood.png"), before);
+}
+
 TEST_F(CliTest, BrokenTetFilesEndScenesWithAnErrorOrAPicture) {
   write_bytes("scene.json", kScene);
   const std::string whole = read_bytes(write_mesh("box.tet", box_mesh()));

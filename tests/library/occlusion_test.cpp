@@ -220,6 +220,26 @@ TEST(OcclusionPartial, LeftOutSpaceIsHiddenBehindItsWalls) {
   }
 }
 
+// The far side of a wall whose inside is left out: hidden from the near side, and from everywhere.
+TEST(OcclusionPartial, SidesInLeftOutSpaceAreHidden) {
+  const BoxScene whole(5, false), partial(5, false, {}, {0});
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(-2, 7);
+  int asked = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Location from = partial.locate({any(random), any(random), any(random)});
+    const Hit hit = partial.first_hit(from, {any(random) - 2.5f, any(random) - 2.5f, any(random) - 2.5f});
+    if (hit.outcome != Outcome::hit) continue;
+    const Location near = partial.side_of(hit, false), far = partial.side_of(hit, true);
+    ASSERT_EQ(far.state, Location::State::absent);
+    ASSERT_EQ(partial.occlusion(near, far), kHidden);
+    ASSERT_EQ(partial.occlusion(from, far), kHidden);
+    ASSERT_EQ(partial.occlusion(far, near), Outcome::absent);
+    ++asked;
+  }
+  EXPECT_GT(asked, 100);
+}
+
 // The inside of the box alone: there is no hull, and everything in it sees everything.
 TEST(OcclusionPartial, ARoomAlone) {
   const BoxScene room(5, false, {}, {1});

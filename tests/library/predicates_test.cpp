@@ -192,6 +192,16 @@ TEST_F(Predicates, BehindAlongALineEqualsTheDeterminantAfterPerturbation) {
   EXPECT_GT(ties, 100);
 }
 
+/// The products of t and d lie below the smallest double: what rounding makes of them has another sign.
+TEST_F(Predicates, BehindAlongALineKnowsWhatUnderflows) {
+  Line line;
+  line.direction = {0.5, 0.75, 0};
+  // The normal is (1000, -800, 0): -100 along the direction.
+  const Corner a = {{0, 0, 0}, 0}, b = {{800, 1000, 0}, 1}, c = {{0, 0, 1}, 2};
+  for (const double t : {3 * 0x1p-1074, 0x1p-1022, 1e-300, 1e-30})
+    for (const double sign : {1.0, -1.0}) EXPECT_EQ(behind(a, b, c, line, sign * t), sign > 0) << t;
+}
+
 TEST_F(Predicates, BehindAlongALineForAnyDoubles) {
   using Rational = boost::multiprecision::cpp_rational;
   std::uniform_real_distribution<float> coordinate(-1, 1);

@@ -375,7 +375,9 @@ void Tester::segment() {
           ": side " + std::to_string(truth[0].side()) + " is between, at t = " + std::to_string(truth[0].low);
     }
   } else if (from.side != to.side) {
-    return;  // both sides of a face, or an end point drawn twice: the line has no direction
+    if (from.side == tetfmt::kNone || to.side == tetfmt::kNone) return;  // a line without a direction
+    expected = Outcome::hit;
+    what += ": the face itself is between";
   }
   if (to.side != tetfmt::kNone) what += "; to side " + std::to_string(to.side);
   tally_.hits += expected == Outcome::hit ? 1 : 0;

@@ -102,7 +102,7 @@ void compare(const char* title, const tetfmt::TrustedView& view, const RaysFrom&
           seconds([&] {
             for (std::size_t k = 0; k < rays.size(); ++k)
               answers[i][k] =
-                  tetfmt::first_hit(view, rays.from[k], rays.directions[k], kVariants[i].variant).triangle;
+                  tetfmt::first_hit(view, rays.from[k], rays.directions[k], kVariants[i].variant).side;
           }) *
           1e9 / static_cast<double>(rays.size()));
     }

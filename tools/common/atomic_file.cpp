@@ -79,14 +79,15 @@ std::string temporary_beside(const std::string& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::string target) : target_(std::move(target)), resolved_(target_) {
+  struct stat status {};
+  const bool exists = stat(resolved_.c_str(), &status) == 0;
   std::error_code error;
-  if (std::filesystem::is_symlink(target_, error)) {
+  // What is no file is opened by the name that it has: a pipe behind /dev/stdout has no other.
+  if (std::filesystem::is_symlink(target_, error) && (!exists || S_ISREG(status.st_mode))) {
     const auto followed = std::filesystem::canonical(target_, error);
     if (error) fail("follow the link", error.value());  // dangling or circular
     resolved_ = followed.string();
   }
-  struct stat status {};
-  const bool exists = stat(resolved_.c_str(), &status) == 0;
   if (exists) {
     if (S_ISDIR(status.st_mode)) fail("write", EISDIR);
     if (access(resolved_.c_str(), W_OK) != 0) fail("write", errno);

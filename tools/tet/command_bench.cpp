@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // `tet bench`: measures what the project claims, on the user's own files and machine.
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -45,7 +46,14 @@ int run_camera(const BenchOptions& options) {
   const std::string& path = options.files[0];
   const OpenFile first(path);
   std::optional<OpenFile> second;
-  if (!options.other.empty()) second.emplace(options.other);
+  if (!options.other.empty()) {
+    second.emplace(options.other);
+    const tetfmt::FileView &a = first.view->view(), &b = second->view->view();
+    if (a.layout() == b.layout() || !std::ranges::equal(a.vertices(), b.vertices()) ||
+        a.tet_count() != b.tet_count())
+      throw Failure(ExitCode::differs, options.other + ": not the mesh of " + path +
+                                           " in the other layout; convert the same input with --layout");
+  }
   tetbench::file_costs(path, options.series.repeats);
   if (second) tetbench::file_costs(options.other, options.series.repeats);
   tetbench::camera_series(*first.view, second ? &*second->view : nullptr, options.series);
@@ -61,6 +69,11 @@ int run_stress(const BenchOptions& options) {
     refuse_same_file(file, options.csv);
     refuse_same_file(file, options.json);
   }
+  refuse_same_file(options.csv, options.json);
+  for (const std::string& output : {options.csv, options.json})
+    if (output == "-")
+      throw Failure(ExitCode::usage,
+                    "--csv and --json take names of files; for standard output, /dev/stdout");
   if (!options.csv.empty()) csv.emplace(options.csv);
   if (!options.json.empty()) json.emplace(options.json);
   tetbench::StressResult result;
@@ -96,45 +109,61 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
   verb->add_option("FILE", options->files, "Tet files; one without --stress")->required();
   verb->add_option("--other", options->other, "The same mesh in the other layout, to be timed beside FILE")
       ->type_name("FILE");
-  verb->add_option("--size", options->series.size, "Width and height of each view, in rays")
-      ->check(CLI::Range(1, 10000))
-      ->type_name("N")
-      ->capture_default_str();
-  verb->add_option("--repeats", options->series.repeats, "How often each measurement is made")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N")
-      ->capture_default_str();
-  verb->add_option("--fov", options->series.field_of_view, "Field of view, degrees")
-      ->check(CLI::Range(1.0, 170.0))
-      ->type_name("DEGREES")
-      ->capture_default_str();
-  verb->add_flag(
+  CLI::Option* size =
+      verb->add_option("--size", options->series.size, "Width and height of each view, in rays")
+          ->check(CLI::Range(1, 10000))
+          ->type_name("N")
+          ->capture_default_str();
+  CLI::Option* repeats =
+      verb->add_option("--repeats", options->series.repeats, "How often each measurement is made")
+          ->check(CLI::Range(1, 1000))
+          ->type_name("N")
+          ->capture_default_str();
+  CLI::Option* fov =
+      verb->add_option_function<std::string>(
+              "--fov",
+              [options](const std::string& text) {
+                const auto degrees = parse_double(text);  // CLI11's ranges let nan pass
+                if (!degrees || !(*degrees >= 1 && *degrees <= 170))
+                  throw CLI::ValidationError("--fov", "expected 1 to 170 degrees, found '" + text + "'");
+                options->series.field_of_view = *degrees;
+              },
+              "Field of view, degrees [45]")
+          ->type_name("DEGREES");
+  CLI::Option* stress_flag = verb->add_flag(
       "--stress", options->stress,
       "Hold first hits, all hits, occlusion and secondary rays against exact arithmetic, in both layouts");
-  verb->add_option("--rays", stress.rays, "Stress: rays in all, over all files and sets [4000000]")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
-      ->type_name("N");
-  verb->add_option("--sets", stress.sets, "Stress: which sets, separated by commas [all]")
-      ->delimiter(',')
-      ->type_name("A,B");
-  verb->add_option_function<std::string>(
-          "--seed",
-          [options](const std::string& text) {
-            const auto seed = parse_whole(text);
-            if (!seed)
-              throw CLI::ValidationError("--seed",
-                                         "expected a whole number from 0 to 2^64 - 1, found '" + text + "'");
-            options->stress_options.seed = *seed;
-          },
-          "Stress: what rays are drawn from, 0 to 2^64 - 1 [1]")
-      ->type_name("S");
-  verb->add_option("--threads", stress.threads,
-                   "Stress: threads to use [all]; what is found is the same for any number")
-      ->check(CLI::Range(1, kMaxThreads))
-      ->type_name("N");
+  CLI::Option* rays =
+      verb->add_option("--rays", stress.rays, "Stress: rays in all, over all files and sets [4000000]")
+          ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
+          ->type_name("N");
+  CLI::Option* sets = verb->add_option("--sets", stress.sets, "Stress: which sets, separated by commas [all]")
+                          ->delimiter(',')
+                          ->allow_extra_args(false)
+                          ->type_name("A,B");
+  CLI::Option* seed =
+      verb->add_option_function<std::string>(
+              "--seed",
+              [options](const std::string& text) {
+                const auto whole = parse_whole(text);
+                if (!whole)
+                  throw CLI::ValidationError(
+                      "--seed", "expected a whole number from 0 to 2^64 - 1, found '" + text + "'");
+                options->stress_options.seed = *whole;
+              },
+              "Stress: what rays are drawn from, 0 to 2^64 - 1 [1]")
+          ->type_name("S");
+  CLI::Option* threads =
+      verb->add_option("--threads", stress.threads,
+                       "Stress: threads to use [all]; what is found is the same for any number")
+          ->check(CLI::Range(1, kMaxThreads))
+          ->type_name("N");
   verb->add_option("--csv", options->csv, "Stress: a line a file and set")->type_name("NAME");
   verb->add_option("--json", options->json, "Stress: everything, with up to 10 reproducers a file and set")
       ->type_name("NAME");
+  // What one of the two measurements does not look at is refused, not ignored.
+  for (CLI::Option* option : {rays, sets, seed, threads}) option->needs(stress_flag);
+  for (CLI::Option* option : {size, repeats, fov}) option->excludes(stress_flag);
   verb->footer(sets_text() +
                "Counted as failures: wrong (face, side, tetrahedra, t more than 4 ulp off above 1 degree, u, "
                "v), missed,\n"

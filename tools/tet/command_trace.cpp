@@ -48,6 +48,8 @@ constexpr const char* kTraceFooter =
     "camera\n"
     "rays that hit, tetrahedra visited a ray and at most, and how much of the files the picture needed.\n"
     "\n"
+    "Of tet files only the structure is checked, which takes no time: `tet validate` proves a file.\n"
+    "\n"
     "Exit codes: 0 done; 1 usage; 2 a file cannot be read or written; 3 a broken tet file or scene; 5 a kind "
     "of "
     "file\n"
@@ -110,6 +112,8 @@ void print_summary(const std::string& output, const Rendering& rendering, const 
 
 int run_trace(const TraceOptions& options) {
   refuse_same_file(options.file, options.output);
+  if (options.output == "-")
+    throw Failure(ExitCode::usage, "-o takes the name of a file; for standard output, /dev/stdout");
   const bool is_scene = ends_with_ignoring_case(options.file, ".json");
   SceneDescription description = is_scene ? read_scene_file(options.file) : scene_of(options.file);
   for (const auto& change : options.camera) change(description.camera);
@@ -125,6 +129,7 @@ int run_trace(const TraceOptions& options) {
   render_options.threads = options.threads;
 
   const Scene scene = open_scene(description, render_options.shade == Shade::scene);
+  for (const std::string& texture : scene.texture_files) refuse_same_file(texture, options.output);
   for (const std::string& warning : scene.warnings)
     std::cerr << "tet trace: warning: " << one_line(warning) << '\n';
   AtomicFile out(options.output);

@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
   // A reader that goes away must not kill us between creating a temporary and removing it: writes fail with
   // EPIPE instead, and the process ends by the signal after everything is cleaned up.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes likewise: writes fail with EFBIG
 
   CLI::App app{"Compact tetrahedral meshes for ray tracing: make, prove, inspect and trace tet files."};
   std::function<int()> run;

@@ -26,7 +26,7 @@ class Integrator {
   /// on nothing else: glass that neither bends nor reflects changes none.
   struct Path {
     double share = 1;      ///< of the pixel, that this ray is worth at most
-    int bounces = 0;       ///<
+    int bounces = 0;       ///< off mirrors and glass, so far
     std::uint64_t id = 1;  ///< 1, then a bit for each choice between reflection and refraction
     Path next(double fraction) const { return {share * fraction, bounces + 1, id}; }
     Path branch(bool reflected, double fraction) const {

@@ -14,8 +14,8 @@ enum class RayKind : std::uint8_t {
   camera,
   shadow,      ///< to a point light
   light,       ///< to a point of a mesh light
-  reflection,  ///<
-  refraction,  ///<
+  reflection,  ///< from a mirror, or the part that glass sends back
+  refraction,  ///< into glass and out of it
   ambient,     ///< ambient occlusion
 };
 inline constexpr std::array<const char*, 6> kRayKindNames{"camera",     "shadow",     "light",

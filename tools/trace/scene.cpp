@@ -115,8 +115,10 @@ class Opener {
 
   const Texture* texture(const std::string& path) {
     const Texture*& known = textures_[path];
-    if (known == nullptr)
+    if (known == nullptr) {
       known = scene_.textures.emplace_back(std::make_unique<Texture>(Texture::read_png(path))).get();
+      scene_.texture_files.push_back(path);
+    }
     return known;
   }
 

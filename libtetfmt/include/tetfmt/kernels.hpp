@@ -20,7 +20,7 @@ enum class Arithmetic : std::uint8_t {
 enum class Basis : std::uint8_t {
   shear,        ///< onto a coordinate plane, along the ray (Woop, Benthin and Wald 2013): 2 products a point
   orthonormal,  ///< two orthogonal unit vectors: 6 products
-  specialised,  ///< the same two directions scaled so that one component is 0 and two are 1: 3 products; one
+  specialised,  ///< two orthogonal vectors, scaled so that one component is 0 and two are 1: 3 products; one
                 ///< instance of the code for each smallest axis, largest axis and sign
 };
 

@@ -42,7 +42,7 @@ enum class Kernel : std::uint8_t {
 
 enum class Outcome : std::uint8_t {
   miss,     ///< no constrained face in the interval
-  hit,      ///<
+  hit,      ///< one was met
   corrupt,  ///< the start does not fit the file, or the bytes do not describe a mesh (or float signs went in
             ///< circles): the walk was cut short
   absent,   ///< the ray starts in space that the file leaves out (FileView::partial), or is there at t_min
@@ -97,8 +97,8 @@ Location locate(const TrustedView& view, Vec3f point, const Cell* from = nullptr
 /// occlusion), or on the side beyond (refracted rays, and what lies behind). The position is exactly in the
 /// plane of the face and strictly inside of it: the hit's own point, rounded to weights of 26 bits. So no ray
 /// that leaves the face meets it again, and none needs an offset; a ray from there whose direction points
-/// into the face meets it at t = 0. State absent if the file leaves out what is there, corrupt unless `hit`
-/// is a hit of this file. O(1).
+/// into the face meets it at t = 0. State absent if the file leaves out what is there, corrupt if an
+/// index of `hit` does not exist in this file. O(1).
 Location near_side(const FileView& view, const Hit& hit);
 Location far_side(const FileView& view, const Hit& hit);
 inline Location near_side(const TrustedView& view, const Hit& hit) {
@@ -119,9 +119,9 @@ Hit first_hit(const FileView& view, const Location& from, Vec3f direction, const
 Hit first_hit(const TrustedView& view, const Location& from, Vec3f direction, const Interval& interval = {},
               Kernel kernel = Kernel::exact);
 
-/// First hits of many rays from one place: each as first_hit has it, to the last bit, but for Hit::steps,
-/// which stays 0. Rays are walked together, 256 at a time: several times faster where neighbours in
-/// `directions` are close, best in blocks of 16 (4 x 4 pixels) and these in squares (4 x 4 blocks). Vector
+/// First hits of many rays from one place: in a valid file each as first_hit has it, to the last bit, but for
+/// Hit::steps, which stays 0. Rays are walked together, 256 at a time: several times faster where neighbours
+/// in `directions` are close, best in blocks of 16 (4 x 4 pixels) and these in squares (4 x 4 blocks). Vector
 /// instructions are chosen at run time. `hits` must have the size of `directions`. Returns the number of
 /// tetrahedra visited, each counted once for all rays that were in it together.
 std::uint64_t first_hits(const FileView& view, const Location& from, std::span<const Vec3f> directions,
@@ -136,7 +136,8 @@ Outcome occlusion(const TrustedView& view, const Location& from, Vec3f direction
 
 /// Whether anything lies between two places, along the exact line from one to the other (no direction is
 /// rounded): a shadow ray. The walk ends in the target's tetrahedron. Two equal places see each other. On a
-/// side of a face, `to` is seen from in front of that side only.
+/// side of a face, `to` is seen from in front of that side only. What lies in space that the file leaves out
+/// is hidden.
 Outcome occlusion(const FileView& view, const Location& from, const Location& to);
 Outcome occlusion(const TrustedView& view, const Location& from, const Location& to);
 
