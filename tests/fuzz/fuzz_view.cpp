@@ -106,6 +106,8 @@ tetfmt::Location invented_place(const tetfmt::FileView& view, Reader& reader, co
   tetfmt::Location place;
   place.state = static_cast<tetfmt::Location::State>(reader.take<std::uint8_t>() % 4);
   place.position = {point.x, point.y, point.z};
+  if (reader.take<std::uint8_t>() % 2 == 0)  // any doubles, which no place that was located has
+    for (double& x : place.position) x = reader.take<double>();
   place.cell.tet = index(view.tet_count());
   for (auto& id : place.cell.vertices) id = index(view.vertices().size());
   for (auto& ref : place.cell.neighbors) ref = index(view.tet_count());
