@@ -41,9 +41,9 @@ void expect_all_same(const Scene& scene, const Location& from, const std::vector
   used.side = 7;
   used.steps = 9;
   for (const auto& target : tile_targets()) {
-    for (const auto trace : {target.checked, target.unchecked}) {
+    for (const auto& tracers : {target.checked, target.unchecked}) {
       std::vector<Hit> hits(directions.size(), used);
-      trace(scene.view, from, directions, hits);
+      tracers.first_hits(scene.view, from, directions, hits);
       for (std::size_t i = 0; i < directions.size(); ++i) {
         SCOPED_TRACE(target.name);
         expect_same(hits[i], first_hit(scene.trusted, from, directions[i]));
@@ -128,15 +128,15 @@ TEST(FirstHits, TakesWhatFirstHitTakes) {
   const Location places[] = {locate(scene.view, {2.5f, 2.5f, 2.5f}), locate(scene.view, {9, 1, 2}),
                              locate(scene.view, {kInfinity, 1, 2}), Location{}};
   for (const std::size_t count :
-       {std::size_t{0}, std::size_t{1}, std::size_t{255}, std::size_t{257}, std::size_t{1000}}) {
+       {std::size_t{0}, std::size_t{1}, kTileRays - 1, kTileRays + 1, 3 * kTileRays}) {
     std::vector<Vec3f> directions;
     for (std::size_t i = 0; i < count; ++i) directions.push_back({any(random), any(random), any(random)});
-    if (count == 257) directions[3] = {0, 0, 0};
-    if (count == 1000) {
+    if (count == kTileRays + 1) directions[3] = {0, 0, 0};
+    if (count == 3 * kTileRays) {
       directions[300] = {std::numeric_limits<float>::quiet_NaN(), 1, 0};
-      directions[600] = {kInfinity, 1, 0};
-      directions[601] = {0x1p-140f, -0x1p-149f, 0};
-      directions[900] = {3e38f, -3e38f, 1};
+      directions[kTileRays + 600] = {kInfinity, 1, 0};
+      directions[kTileRays + 601] = {0x1p-140f, -0x1p-149f, 0};
+      directions[kTileRays + 900] = {3e38f, -3e38f, 1};
     }
     for (const Location& from : places) {
       std::vector<Hit> checked(count), trusted(count);
@@ -148,6 +148,97 @@ TEST(FirstHits, TakesWhatFirstHitTakes) {
         expect_same(trusted[i], alone);
         if (HasFatalFailure()) return;
       }
+    }
+  }
+}
+
+/// Places of every kind: in and around the mesh, on its vertices and edges, on both sides of faces.
+std::vector<Location> some_places(const Scene& scene, std::size_t count, std::mt19937& random) {
+  std::vector<Location> places;
+  while (places.size() < count) {
+    const auto one = [&] { return static_cast<float>(random() % 29) / 4 - 1; };
+    const Vec3f point = {one(), one(), one()};
+    const Location place = locate(scene.view, point);
+    places.push_back(place);
+    if (random() % 2 == 0) continue;
+    const Hit hit = first_hit(scene.view, place, {one() - 2.5f, one() - 2.5f, one() - 2.5f});
+    if (hit.outcome != Outcome::hit) continue;
+    places.push_back(near_side(scene.view, hit));
+    places.push_back(far_side(scene.view, hit));
+  }
+  places.resize(count);
+  return places;
+}
+
+TEST(Tile, EqualsOcclusionBetweenPlaces) {
+  std::mt19937 random(6);
+  int hidden = 0, seen = 0;
+  for (const Layout layout : {Layout::tet20, Layout::tet16}) {
+    const Scene scene(tetfmt_test::lattice_mesh(5), layout);
+    for (int i = 0; i < 30; ++i) {
+      const std::size_t count = i % 3 == 0 ? kTileRays : 1 + random() % kTileRays;
+      std::vector<Location> targets = some_places(scene, count, random);
+      const Location from = some_places(scene, 3, random).back();
+      if (i % 4 == 0) targets[count / 2] = from;
+      if (i % 4 == 1) targets[count / 2] = Location{};  // corrupt
+      if (i % 4 == 2) targets[count / 2].state = Location::State::absent;
+      if (i % 4 == 3) targets[0].position[1] = std::numeric_limits<double>::infinity();
+      std::vector<Outcome> alone;
+      for (const Location& target : targets) {
+        alone.push_back(occlusion(scene.trusted, from, target));
+        hidden += alone.back() == Outcome::hit;
+        seen += alone.back() == Outcome::miss;
+      }
+      for (const auto& kind : tile_targets()) {
+        for (const auto& tracers : {kind.checked, kind.unchecked}) {
+          std::vector<Outcome> together(count, Outcome::absent);
+          tracers.occlusions(scene.view, from, targets, together);
+          ASSERT_EQ(together, alone) << kind.name << ", round " << i;
+        }
+      }
+    }
+  }
+  EXPECT_GT(hidden, 5000);
+  EXPECT_GT(seen, 5000);
+}
+
+/// A light and what is seen of a wall, where whole blocks take one way.
+TEST(Tile, EqualsOcclusionFromALight) {
+  const Scene scene(tetfmt_test::lattice_mesh(6), Layout::tet20);
+  const Location eye = locate(scene.view, {-9, 2.7f, 3.1f});
+  std::vector<Location> targets;
+  for (std::size_t i = 0; i < kTileRays; ++i) {
+    const auto x = static_cast<float>(i % 32), y = static_cast<float>(i / 32);
+    const Hit hit = first_hit(scene.view, eye, {10, (x - 16) / 6, (y - 16) / 6});
+    if (hit.outcome == Outcome::hit) targets.push_back(near_side(scene.view, hit));
+  }
+  ASSERT_GT(targets.size(), kTileRays / 2);
+  for (const Vec3f light : {Vec3f{-5, 7, 3}, {0.5f, 0.5f, 0.5f}, {0.25f, 3, 3}, {3, 3, 3}, {1, 1, 1}}) {
+    const Location from = locate(scene.view, light);
+    std::vector<Outcome> together(targets.size());
+    EXPECT_GT(occlusions(scene.trusted, from, targets, together), 0u);
+    for (std::size_t i = 0; i < targets.size(); ++i)
+      ASSERT_EQ(together[i], occlusion(scene.trusted, from, targets[i])) << i;
+  }
+}
+
+TEST(Occlusions, TakeWhatOcclusionTakes) {
+  const Scene scene(tetfmt_test::lattice_mesh(4), Layout::tet16);
+  std::mt19937 random(8);
+  std::vector<Location> sources = some_places(scene, 4, random);
+  sources.push_back({});
+  sources.push_back(sources[0]);
+  sources.back().state = Location::State::absent;
+  sources.push_back(sources[0]);
+  sources.back().position[2] = std::numeric_limits<double>::quiet_NaN();
+  for (const std::size_t count : {std::size_t{0}, std::size_t{5}, kTileRays + 3}) {
+    const std::vector<Location> targets = some_places(scene, count, random);
+    for (const Location& from : sources) {
+      std::vector<Outcome> checked(count), trusted(count);
+      occlusions(scene.view, from, targets, checked);
+      occlusions(scene.trusted, from, targets, trusted);
+      for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(checked[i], occlusion(scene.view, from, targets[i]));
+      ASSERT_EQ(checked, trusted);
     }
   }
 }

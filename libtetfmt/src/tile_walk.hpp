@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: MIT
+// The walk of one tile of rays. Compiled once a kind of processor: see tile.cpp.
+#if defined(TETFMT_TILE_WALK_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef TETFMT_TILE_WALK_HPP
+#undef TETFMT_TILE_WALK_HPP
+#else
+#define TETFMT_TILE_WALK_HPP
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "follow.hpp"
+#include "tile.hpp"
+#include "tile_queue.hpp"
+#include "tile_signs.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace tetfmt::detail {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Walks the rays that the task names, and tells it what becomes of them:
+///
+///   set_rays(TileRays&)          fills in directions, as close to the exact ones as float is; returns the
+///   rays line(Line&, r)               makes a line from the origin the exact one of ray r entering(tet,
+///   RayMask&)      takes out the rays that end there meet(Leaving, RayMask)       these rays meet a
+///   constrained face. False if its indices do not exist alone(r)                     ray r is to be answered
+///   by itself; returns its steps leave(RayMask)               these rays met nothing
+template <bool kChecked, class Cells, class Task>
+class TileWalk {
+ public:
+  TileWalk(const FileView& view, const Cells& cells, const Location& from, Task& task, Queue& queue)
+      : view_(view),
+        cells_(cells),
+        from_(from),
+        vertices_(view.vertices()),
+        line_(line_from(view, from, {1, 0, 0})),
+        task_(task),
+        queue_(queue) {}
+
+  std::uint64_t run() {
+    const RayMask rays = task_.set_rays(rays_, line_);
+    unanswered_ = rays;
+    const double most = reach(line_, view_.bounds());
+    if (most >= 0x1p-200 && most <= 0x1p200) {  // so it is in every valid file
+      scale_ = std::ldexp(1.0, -std::ilogb(most) - 1);
+      if (from_.state == Location::State::inside)
+        start_inside(rays);
+      else
+        start_outside(rays);
+      while (!queue_.empty()) {
+        visit(queue_.take());
+        queue_.release();
+      }
+    } else {
+      one_by_one(rays);
+    }
+    task_.leave(unanswered_);
+    return visits_;
+  }
+
+ private:
+  Vec3d relative(Index id) const {
+    const Vec3f& p = vertices_[id];
+    return {(double{p.x} - line_.origin.point[0]) * scale_, (double{p.y} - line_.origin.point[1]) * scale_,
+            (double{p.z} - line_.origin.point[2]) * scale_};
+  }
+  HWY_INLINE void set_corner(Crossing& c, std::size_t k, Index id, const Vec3d& p) const {
+    c.x[k] = p[0];
+    c.y[k] = p[1];
+    c.z[k] = p[2];
+    const auto& axis = rays_.axis();
+    c.depths[k] = static_cast<float>(p[0]) * axis[0] + static_cast<float>(p[1]) * axis[1] +
+                  static_cast<float>(p[2]) * axis[2];
+    c.ids[k] = id;
+  }
+  Crossing crossing(const std::array<Index, 3>& ids) const {
+    Crossing c{};
+    for (std::size_t k = 0; k < 3; ++k) set_corner(c, k, ids[k], relative(ids[k]));
+    return c;
+  }
+
+  struct Moments {
+    alignas(16) std::array<float, 4> x, y, z, bound;
+    Moment operator[](std::size_t k) const { return {x[k], y[k], z[k], bound[k]}; }
+  };
+  /// Of the edges from each corner to `p`.
+  HWY_INLINE Moments moments(const Crossing& c, const Vec3d& p) const {
+    const hn::CappedTag<double, 4> d;
+    const hn::Rebind<float, decltype(d)> f;
+    const auto px = hn::Set(d, p[0]), py = hn::Set(d, p[1]), pz = hn::Set(d, p[2]);
+    const auto factor = hn::Set(f, 0x1p-21f * rays_.largest()),
+               least = hn::Set(f, 0x1p-45f * rays_.largest());
+    Moments m;
+    for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+      const auto ex = hn::Sub(hn::Load(d, &c.x[i]), px), ey = hn::Sub(hn::Load(d, &c.y[i]), py),
+                 ez = hn::Sub(hn::Load(d, &c.z[i]), pz);
+      const auto x = hn::DemoteTo(f, hn::Sub(hn::Mul(ey, pz), hn::Mul(ez, py))),
+                 y = hn::DemoteTo(f, hn::Sub(hn::Mul(ez, px), hn::Mul(ex, pz))),
+                 z = hn::DemoteTo(f, hn::Sub(hn::Mul(ex, py), hn::Mul(ey, px)));
+      const auto size = hn::Add(hn::Add(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
+      hn::Store(x, f, &m.x[i]);
+      hn::Store(y, f, &m.y[i]);
+      hn::Store(z, f, &m.z[i]);
+      hn::Store(hn::MulAdd(size, factor, least), f, &m.bound[i]);
+    }
+    return m;
+  }
+
+  /// Which of a group's rays the edge from `a` to `b` passes on the left; of those that are not in `rays`,
+  /// anything. `blocks`: those that have one in `rays`.
+  HWY_INLINE GroupBits left(const Moment& m, Index a, Index b, std::size_t group, const RayMask& rays,
+                            std::uint32_t blocks) {
+    const Signs16 coarse = rays_.blocks(group, m);
+    GroupBits result = GroupBits::of_blocks(coarse.left);
+    for (std::uint32_t open = blocks & ~(coarse.left | coarse.right); open != 0; open &= open - 1) {
+      const auto at = static_cast<std::size_t>(std::countr_zero(open));
+      const std::size_t block = group * kGroupBlocks + at;
+      const Signs16 fine = rays_.rays(block, m);
+      std::uint32_t found = fine.left;
+      if (const std::uint32_t unsure = ~(fine.left | fine.right) & rays.block(block)) [[unlikely]]
+        found |= exactly(a, b, block, unsure);
+      result = result.with(at, found);
+    }
+    return result;
+  }
+  RayMask left(const Moment& m, Index a, Index b, const RayMask& rays) {
+    RayMask result;
+    rays.for_each_group([&](std::size_t g) {
+      const GroupBits group(rays.group[g]);
+      store(left(m, a, b, g, rays, group.blocks()) & group, g, result);
+    });
+    return result;
+  }
+  static HWY_INLINE void store(const GroupBits& rays, std::size_t g, RayMask& mask) {
+    rays.store(mask.group[g]);
+    mask.groups |= static_cast<std::uint32_t>(rays.blocks() != 0) << g;
+  }
+
+  HWY_NOINLINE std::uint32_t exactly(Index a, Index b, std::size_t block, std::uint32_t rays) {
+    std::uint32_t result = 0;
+    Line line = line_;
+    for (std::uint32_t rest = rays; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+      task_.line(line, block * kBlockRays + lane);
+      if (passes_left(line, {vertices_[a], a}, {vertices_[b], b}).left) result |= 1u << lane;
+    }
+    return result;
+  }
+
+  HWY_NOINLINE void start_inside(const RayMask& rays) {
+    const auto& v = from_.cell.vertices;
+    if (!in_range(view_, from_.cell)) return one_by_one(rays);
+    std::array<std::array<RayMask, 4>, 4> lefts;
+    for (std::size_t b = 1; b < 4; ++b) {
+      const Moments m = moments(crossing({v[0], v[1], v[2]}), relative(v[b]));
+      for (std::size_t a = 0; a < b; ++a) {
+        lefts[a][b] = left(m[a], v[a], v[b], rays);
+        lefts[b][a] = rays - lefts[a][b];
+      }
+    }
+    RayMask rest = rays;
+    for (std::size_t k = 0; k < 4; ++k) {
+      auto f = kOutwardFaces[k];
+      if (!from_.positive) std::swap(f[1], f[2]);
+      RayMask through = lefts[f[0]][f[1]] & lefts[f[1]][f[2]] & lefts[f[2]][f[0]] & rest;
+      rest = rest - through;
+      if (through.any())
+        leave(from_.cell.tet, from_.cell.neighbors[k], crossing({v[f[0]], v[f[1]], v[f[2]]}), through, 1);
+    }
+    if (rest.any()) one_by_one(rest);
+  }
+
+  HWY_NOINLINE void start_outside(const RayMask& rays) {
+    RayMask rest = rays;
+    const auto try_face = [&](const HullFace& face, bool inwards) {
+      auto v = face.vertices;
+      if (face.tet >= view_.tet_count() || std::max({v[0], v[1], v[2]}) >= vertices_.size()) return;
+      if (!inwards) std::swap(v[1], v[2]);
+      const Crossing by = crossing(v);
+      const auto edge = [&](std::size_t a, std::size_t b) {
+        return left(moments(by, relative(v[b]))[a], v[a], v[b], rest);
+      };
+      const RayMask through = edge(0, 1) & edge(1, 2) & edge(2, 0);
+      rest = rest - through;
+      // Not merged with those that enter the tetrahedron by another of its hull faces: `previous` does not
+      // tell.
+      if (through.any()) wait(face.tet, kHull, by, through, 0);
+    };
+    if (from_.entrance_count <= from_.entrances.size()) {
+      for (std::size_t i = 0; i < from_.entrance_count && rest.any(); ++i) {
+        const Entrance entrance = unpack_entrance(from_.entrances[i]);
+        if (entrance.face < view_.hull().size()) try_face(view_.hull()[entrance.face], entrance.inwards);
+      }
+      return;
+    }
+    for (const HullFace& face : view_.hull()) {
+      if (!rest.any()) return;
+      if (const auto inwards = seen_from(view_, cells_, face, line_.origin)) try_face(face, *inwards);
+    }
+  }
+
+  /// What a walk together cannot decide; then each ray has its own answer, whatever it is.
+  HWY_NOINLINE void one_by_one(const RayMask& rays) {
+    unanswered_ = unanswered_ - rays;
+    rays.for_each([&](std::size_t r) { visits_ += task_.alone(r); });
+  }
+
+  /// `rays` leave `tet` by the face `by` for what `ref` names.
+  HWY_INLINE void leave(Index tet, Ref ref, const Crossing& by, RayMask& rays, std::uint32_t steps) {
+    if (is_tet(ref)) {
+      if constexpr (Task::kEndsInTets) {
+        unanswered_ = unanswered_ - task_.entering(ref, rays);
+        if (!rays.any()) return;
+      }
+      if (Pending* const other = queue_.find(ref, tet)) {
+        other->rays |= rays;
+        other->steps = std::max(other->steps, steps);
+      } else {
+        wait(ref, tet, by, rays, steps);
+      }
+    } else if (ref != kHull) {
+      meet(tet, ref, by, rays);
+    }
+  }
+  HWY_NOINLINE void meet(Index tet, Ref ref, const Crossing& by, const RayMask& rays) {
+    if (!task_.meet(line_, Leaving{tet, kHull, by.ids, kNone, kNone, ref, 0}, rays, rays_))
+      return one_by_one(rays);
+    unanswered_ = unanswered_ - rays;
+  }
+
+  HWY_INLINE void wait(Index tet, Ref previous, const Crossing& by, const RayMask& rays,
+                       std::uint32_t steps) {
+    Pending& next = queue_.add(tet, previous, by.depths[0] + by.depths[1] + by.depths[2]);
+    next.by = by;
+    next.steps = steps;
+    next.rays.groups = 0;
+    next.rays |= rays;
+  }
+
+  void visit(const Pending& in) {
+    ++visits_;
+    const Index tet = in.tet;
+    // No ray has come this far in a valid file, but the path may be one of several rays' parts.
+    if (in.steps >= view_.tet_count()) return one_by_one(in.rays);
+    if constexpr (kChecked) {
+      if (tet >= view_.tet_count()) return one_by_one(in.rays);
+    }
+    const auto& [i0, i1, i2] = in.by.ids;
+    const Index i3 = cells_.vertex_xor(tet) ^ i0 ^ i1 ^ i2;
+    if constexpr (kChecked) {
+      if (i3 >= vertices_.size()) return one_by_one(in.rays);
+    }
+    const Vec3d p3 = relative(i3);
+    const Moments m = moments(in.by, p3);
+    std::array<RayMask, 3> exits;
+    in.rays.for_each_group([&](std::size_t g) {
+      const GroupBits rays(in.rays.group[g]);
+      const std::uint32_t blocks = rays.blocks();
+      const GroupBits l0 = left(m[0], i0, i3, g, in.rays, blocks),
+                      l1 = left(m[1], i1, i3, g, in.rays, blocks),
+                      l2 = left(m[2], i2, i3, g, in.rays, blocks);
+      store((rays & l0 & l2) | ((rays - l0) - l1), g, exits[0]);
+      store((rays & l0) - l2, g, exits[1]);
+      store((rays - l0) & l1, g, exits[2]);
+    });
+    std::size_t entry_rank = 0;
+    if constexpr (Cells::kNeedsEntryRank) entry_rank = rank(i3, i0, i1, i2);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!exits[k].any()) continue;
+      Crossing by = in.by;
+      const std::size_t exit_rank = rank(by.ids[k], by.ids[(k + 1) % 3], by.ids[(k + 2) % 3], i3);
+      set_corner(by, k, i3, p3);
+      leave(tet, cells_.next(tet, in.previous, entry_rank, exit_rank), by, exits[k], in.steps + 1);
+    }
+  }
+
+  const FileView& view_;
+  const Cells& cells_;
+  const Location& from_;
+  std::span<const Vec3f> vertices_;
+  Line line_;
+  Task& task_;
+  Queue& queue_;
+  double scale_ = 1;
+  RayMask unanswered_;
+  TileRays rays_;
+  std::uint64_t visits_ = 0;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tetfmt::detail
+HWY_AFTER_NAMESPACE();
+
+#endif
