@@ -34,21 +34,27 @@ inline constexpr std::size_t kGroupRays = kBlockRays * kGroupBlocks, kTileBlocks
 
 /// A set of a tile's rays.
 struct RayMask {
-  /// Bit i % 64 of word i / 64 stands for a group's ray i. Of a group that is not in `groups`: anything.
+  struct Uninitialised {};
+  /// Bit i % 64 of word i / 64 stands for a group's ray i.
   using Group = std::array<std::uint64_t, kGroupRays / 64>;
   alignas(64) std::array<Group, kGroups> group;
   std::uint32_t groups = 0;  ///< those with a ray in the set, one bit each
 
-  RayMask() {}  // and leaves the groups' words as they are
+  RayMask() : group{} {}
+  explicit RayMask(Uninitialised) {}  // for whoever sets every group at once
   static RayMask first(std::size_t count) {
     RayMask mask;
     for (std::size_t w = 0; w < kTileRays / 64 && count > 64 * w; ++w) {
-      const std::size_t left = count - 64 * w, g = w / 4;
-      if (w % 4 == 0) mask.group[g] = {};
-      mask.group[g][w % 4] = left >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << left) - 1;
-      mask.groups |= 1u << g;
+      const std::size_t left = count - 64 * w;
+      mask.group[w / 4][w % 4] = left >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << left) - 1;
+      mask.groups |= 1u << w / 4;
     }
     return mask;
+  }
+  void add(std::size_t ray) { add_block(ray / kBlockRays, 1u << ray % kBlockRays); }
+  void add_block(std::size_t b, std::uint32_t rays) {
+    group[b / kGroupBlocks][b % kGroupBlocks / 4] |= std::uint64_t{rays} << (16 * (b % 4));
+    groups |= 1u << b / kGroupBlocks;
   }
   bool any() const { return groups != 0; }
   std::uint32_t block(std::size_t b) const {
@@ -74,54 +80,40 @@ struct RayMask {
         function(b * kBlockRays + static_cast<std::size_t>(std::countr_zero(rays)));
     });
   }
-  /// Takes `rays` of a group for what it holds.
-  void set(std::size_t g, const Group& rays) {
-    group[g] = rays;
-    const bool some = (rays[0] | rays[1] | rays[2] | rays[3]) != 0;
-    groups = (groups & ~(1u << g)) | static_cast<std::uint32_t>(some) << g;
-  }
 
-  friend RayMask operator&(const RayMask& a, const RayMask& b) {
-    RayMask mask;
-    for (std::size_t g = 0; g < kGroups; ++g)
-      if ((a.groups & b.groups) >> g & 1u)
-        mask.set(g, combine(a.group[g], b.group[g], [](auto x, auto y) { return x & y; }));
-    return mask;
-  }
   RayMask& operator|=(const RayMask& other) {
-    other.for_each_group([&](std::size_t g) {
-      if (groups >> g & 1u)
-        group[g] = combine(group[g], other.group[g], [](auto x, auto y) { return x | y; });
-      else
-        group[g] = other.group[g];
-    });
+    for (std::size_t g = 0; g < kGroups; ++g)
+      for (std::size_t w = 0; w < group[g].size(); ++w) group[g][w] |= other.group[g][w];
     groups |= other.groups;
     return *this;
   }
+  friend RayMask operator&(const RayMask& a, const RayMask& b) {
+    return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & y; });
+  }
   /// a without b.
   friend RayMask operator-(const RayMask& a, const RayMask& b) {
-    RayMask mask;
-    a.for_each_group([&](std::size_t g) {
-      if (b.groups >> g & 1u)
-        mask.set(g, combine(a.group[g], b.group[g], [](auto x, auto y) { return x & ~y; }));
-      else
-        mask.set(g, a.group[g]);
-    });
-    return mask;
+    return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
   }
 
  private:
   template <class Operation>
-  static Group combine(const Group& a, const Group& b, Operation&& of) {
-    return {of(a[0], b[0]), of(a[1], b[1]), of(a[2], b[2]), of(a[3], b[3])};
+  static RayMask combined(const RayMask& a, const RayMask& b, Operation&& of) {
+    RayMask mask;
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      std::uint64_t some = 0;
+      for (std::size_t w = 0; w < a.group[g].size(); ++w)
+        some |= mask.group[g][w] = of(a.group[g][w], b.group[g][w]);
+      mask.groups |= static_cast<std::uint32_t>(some != 0) << g;
+    }
+    return mask;
   }
 };
 
 /// A walk of 1 to kTileRays rays from one place. `from` must be neither corrupt nor absent, its position
 /// finite. Both return the number of visits.
 struct TileTracers {
-  /// First hits, all as first_hit has them but for Hit::steps, which stays 0. Directions must be finite,
-  /// and their largest component between 2^-60 and 2^60. `hits` has the directions' size.
+  /// First hits, all as first_hit has them but for Hit::steps, which stays 0. `hits` has the directions'
+  /// size.
   using FirstHits = std::uint64_t (*)(const FileView& view, const Location& from,
                                       std::span<const Vec3f> directions, std::span<Hit> hits);
   /// As occlusion(view, from, target) has it, for each target. `outcomes` has the targets' size.

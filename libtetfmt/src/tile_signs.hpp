@@ -133,21 +133,19 @@ class TileRays {
  public:
   alignas(64) std::array<float, kTileRays> x, y, z;
 
-  /// To be called when x, y, z are set: of `count` rays; those up to the end of the block that the last one
-  /// is in must be copies of it.
-  void enclose(std::size_t count) {
-    const std::size_t blocks = (count + kBlockRays - 1) / kBlockRays;
-    largest_ = 0;
+  /// To be called when x, y, z are set for `rays`, some of the first `count`. The others, up to the end of
+  /// the last group, become like these.
+  void enclose(const RayMask& rays, std::size_t count) {
+    fill_gaps(rays, count);
+    const Lanes d;
+    auto largest = hn::Zero(d);
     axis_ = {};
-    for (std::size_t b = 0; b < blocks; ++b) {
-      enclose(x, b, middle_x_, half_x_, axis_[0]);
-      enclose(y, b, middle_y_, half_y_, axis_[1]);
-      enclose(z, b, middle_z_, half_z_, axis_[2]);
+    for (std::size_t b = 0; b < count / kBlockRays + (count % kBlockRays != 0); b += hn::Lanes(d)) {
+      largest = hn::Max(largest, enclose(x, b, middle_x_, half_x_, axis_[0]));
+      largest = hn::Max(largest, enclose(y, b, middle_y_, half_y_, axis_[1]));
+      largest = hn::Max(largest, enclose(z, b, middle_z_, half_z_, axis_[2]));
     }
-    const std::size_t end = (blocks + kGroupBlocks - 1) / kGroupBlocks * kGroupBlocks;
-    for (std::size_t b = blocks; b < end; ++b)
-      for (auto* of : {&middle_x_, &middle_y_, &middle_z_, &half_x_, &half_y_, &half_z_})
-        (*of)[b] = (*of)[blocks - 1];
+    largest_ = hn::GetLane(hn::MaxOfLanes(d, largest));
   }
   /// The largest component of a direction, or slightly more.
   float largest() const { return largest_; }
@@ -197,20 +195,64 @@ class TileRays {
                       hn::MulAdd(hn::Load(d, &py[i]), my, hn::Mul(hn::Load(d, &pz[i]), mz)));
   }
 
-  void enclose(const std::array<float, kTileRays>& of, std::size_t b, Blocks& middle, Blocks& half,
-               float& sum) {
-    const Lanes d;
-    auto low = hn::Load(d, &of[b * kBlockRays]), high = low;
-    for (std::size_t i = hn::Lanes(d); i < kBlockRays; i += hn::Lanes(d)) {
-      const auto more = hn::Load(d, &of[b * kBlockRays + i]);
-      low = hn::Min(low, more);
-      high = hn::Max(high, more);
+  void fill_gaps(const RayMask& rays, std::size_t count) {
+    const std::size_t end = (count + kGroupRays - 1) / kGroupRays * kGroupRays;
+    std::size_t like = end;  // one in the set: the last so far, or else the first
+    for (std::size_t b = 0; b < end / kBlockRays; ++b) {
+      const std::uint32_t here = rays.block(b);
+      if (here == 0xFFFF) {
+        like = b * kBlockRays;
+        continue;
+      }
+      if (like == end) rays.for_each([&](std::size_t r) { like = std::min(like, r); });
+      for (std::size_t i = 0; i < kBlockRays; ++i) {
+        const std::size_t r = b * kBlockRays + i;
+        if (here >> i & 1u) {
+          like = r;
+        } else {
+          x[r] = x[like];
+          y[r] = y[like];
+          z[r] = z[like];
+        }
+      }
     }
-    const float least = hn::GetLane(hn::MinOfLanes(d, low)), most = hn::GetLane(hn::MaxOfLanes(d, high));
-    middle[b] = (least + most) / 2;
-    half[b] = std::max(most - middle[b], middle[b] - least) * (1 + 0x1p-22f);
-    sum += middle[b];
-    largest_ = std::max(largest_, std::abs(middle[b]) + half[b]);
+  }
+
+  /// Of as many blocks as there are lanes, from block b on: one component. Returns its largest size in each.
+  HWY_INLINE hn::Vec<Lanes> enclose(const std::array<float, kTileRays>& of, std::size_t b, Blocks& middles,
+                                    Blocks& halves, float& sum) {
+    const Lanes d;
+    constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
+    using V = hn::Vec<Lanes>;
+    std::array<V, kLanes> low, high;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float* const rays = &of[(b + k) * kBlockRays];
+      low[k] = high[k] = hn::Load(d, rays);
+      for (std::size_t i = kLanes; i < kBlockRays; i += kLanes) {
+        low[k] = hn::Min(low[k], hn::Load(d, rays + i));
+        high[k] = hn::Max(high[k], hn::Load(d, rays + i));
+      }
+    }
+#if HWY_TARGET != HWY_SCALAR
+    // Halves of two vectors become one, until each lane is all that is left of a block.
+    for (std::size_t n = kLanes / 2; n > 0; n /= 2) {
+      for (std::size_t k = 0; k < n; ++k) {
+        const auto fold = [&](const V& even, const V& odd) {
+          return std::array<V, 2>{hn::ConcatEven(d, odd, even), hn::ConcatOdd(d, odd, even)};
+        };
+        const auto lows = fold(low[2 * k], low[2 * k + 1]), highs = fold(high[2 * k], high[2 * k + 1]);
+        low[k] = hn::Min(lows[0], lows[1]);
+        high[k] = hn::Max(highs[0], highs[1]);
+      }
+    }
+#endif
+    const V middle = hn::Mul(hn::Add(low[0], high[0]), hn::Set(d, 0.5f));
+    const V half =
+        hn::Mul(hn::Max(hn::Sub(high[0], middle), hn::Sub(middle, low[0])), hn::Set(d, 1 + 0x1p-22f));
+    hn::Store(middle, d, &middles[b]);
+    hn::Store(half, d, &halves[b]);
+    sum += hn::GetLane(hn::SumOfLanes(d, middle));
+    return hn::Add(hn::Abs(middle), half);
   }
 
   alignas(64) Blocks middle_x_, middle_y_, middle_z_, half_x_, half_y_, half_z_;

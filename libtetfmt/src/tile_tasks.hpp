@@ -34,28 +34,42 @@ class FirstHitsTask {
                 std::span<Hit> hits)
       : view_(view), from_(from), directions_(directions), hits_(hits) {}
 
+  std::size_t size() const { return directions_.size(); }
   RayMask set_rays(TileRays& rays, const Line&) const {
     const std::size_t n = directions_.size();
     std::size_t r = 0;
+    bool all = true;
 #if HWY_TARGET != HWY_SCALAR
     const Lanes d;
     for (; r + hn::Lanes(d) <= n; r += hn::Lanes(d)) {
       static_assert(sizeof(Vec3f) == 3 * sizeof(float));
       hn::Vec<Lanes> x, y, z;
       hn::LoadInterleaved3(d, &directions_[r].x, x, y, z);
+      const auto largest = hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Abs(z)),
+                 sum = hn::Add(hn::Add(x, y), z);
+      all = all && hn::AllTrue(d, hn::And(hn::And(hn::Ge(largest, hn::Set(d, kLeast)),
+                                                  hn::Le(largest, hn::Set(d, kMost))),
+                                          hn::Eq(sum, sum)));
       hn::Store(x, d, &rays.x[r]);
       hn::Store(y, d, &rays.y[r]);
       hn::Store(z, d, &rays.z[r]);
     }
 #endif
-    for (; r < (n + kBlockRays - 1) / kBlockRays * kBlockRays; ++r) {
-      const Vec3f& direction = directions_[std::min(r, n - 1)];
-      rays.x[r] = direction.x;
-      rays.y[r] = direction.y;
-      rays.z[r] = direction.z;
+    for (; r < n; ++r) {
+      all = all && suits(directions_[r]);
+      rays.x[r] = directions_[r].x;
+      rays.y[r] = directions_[r].y;
+      rays.z[r] = directions_[r].z;
     }
-    rays.enclose(n);
-    return RayMask::first(n);
+    RayMask walked;
+    if (all) {
+      walked = RayMask::first(n);
+    } else {
+      for (r = 0; r < n; ++r)
+        if (suits(directions_[r])) walked.add(r);
+    }
+    if (walked.any()) rays.enclose(walked, n);
+    return walked;
   }
   void line(Line& line, std::size_t r) const {
     line.direction = to_vec3d(directions_[std::min(r, directions_.size() - 1)]);
@@ -108,6 +122,12 @@ class FirstHitsTask {
   }
 
  private:
+  static constexpr float kLeast = 0x1p-60f, kMost = 0x1p60f;
+  static bool suits(const Vec3f& d) {
+    const float largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}), sum = d.x + d.y + d.z;
+    return largest >= kLeast && largest <= kMost && sum == sum;
+  }
+
 #if HWY_NATIVE_FMA
   /// intersect() for some rays at a time, operation by operation: where most rays hit, it is most of the
   /// work.
@@ -186,34 +206,18 @@ class OcclusionsTask {
                  std::span<Outcome> outcomes)
       : view_(view), from_(from), targets_(targets), outcomes_(outcomes) {}
 
-  /// Targets that need no walk get their answer at once.
+  std::size_t size() const { return targets_.size(); }
   RayMask set_rays(TileRays& rays, const Line& line) {
-    RayMask walked = RayMask::first(targets_.size());
-    RayMask alone;
-    const std::size_t n = targets_.size(), end = (n + kBlockRays - 1) / kBlockRays * kBlockRays;
-    std::size_t last = n;  // the last one with a direction
-    for (std::size_t r = 0; r < end; ++r) {
+    RayMask walked;
+    for (std::size_t r = 0; r < targets_.size(); ++r) {
       tets_[r] = kNone;
-      if (r < n && set_ray(rays, line, r)) {
-        if (last == n)
-          for (std::size_t i = 0; i < r; ++i) copy(rays, r, i);
-        last = r;
-        if (targets_[r].state == Location::State::inside) {
-          tets_[r] = targets_[r].cell.tet;
-          filter_[tets_[r] / 64 % filter_.size()] |= std::uint64_t{1} << (tets_[r] % 64);
-        }
-        continue;
-      }
-      if (r < n) {
-        outcomes_[r] = occlusion(view_, from_, targets_[r]);
-        const std::size_t g = r / kGroupRays;
-        RayMask::Group rest = walked.group[g];
-        rest[r % kGroupRays / 64] &= ~(std::uint64_t{1} << (r % 64));
-        walked.set(g, rest);
-      }
-      if (last < n) copy(rays, last, r);
+      if (!set_ray(rays, line, r)) continue;
+      walked.add(r);
+      if (targets_[r].state != Location::State::inside) continue;
+      tets_[r] = targets_[r].cell.tet;
+      filter_[tets_[r] / 64 % filter_.size()] |= std::uint64_t{1} << (tets_[r] % 64);
     }
-    if (walked.any()) rays.enclose(n);
+    if (walked.any()) rays.enclose(walked, targets_.size());
     return walked;
   }
   void line(Line& line, std::size_t r) const {
@@ -266,27 +270,15 @@ class OcclusionsTask {
     rays.z[r] = static_cast<float>(d[2] / largest);
     return true;
   }
-  static void copy(TileRays& rays, std::size_t from, std::size_t to) {
-    rays.x[to] = rays.x[from];
-    rays.y[to] = rays.y[from];
-    rays.z[to] = rays.z[from];
-  }
-
   HWY_NOINLINE RayMask find(Index tet, RayMask& rays) const {
     const hn::CappedTag<std::uint32_t, kBlockRays> d;
     RayMask there;
-    rays.for_each_group([&](std::size_t g) {
-      RayMask::Group found{};
-      for (std::size_t b = 0; b < kGroupBlocks; ++b) {
-        const std::size_t block = g * kGroupBlocks + b;
-        const std::uint32_t active = rays.block(block);
-        if (active == 0) continue;
-        std::uint32_t equal = 0;
-        for (std::size_t i = 0; i < kBlockRays; i += hn::Lanes(d))
-          equal |= bits(d, hn::Eq(hn::Load(d, &tets_[block * kBlockRays + i]), hn::Set(d, tet))) << i;
-        found[b / 4] |= std::uint64_t{equal & active} << (16 * (b % 4));
-      }
-      there.set(g, found);
+    rays.for_each_block([&](std::size_t block, std::uint32_t active) {
+      std::uint32_t equal = 0;
+      for (std::size_t i = 0; i < kBlockRays; i += hn::Lanes(d))
+        equal |= bits(d, hn::Eq(hn::Load(d, &tets_[block * kBlockRays + i]), hn::Set(d, tet))) << i;
+      if ((equal &= active) == 0) return;
+      there.add_block(block, equal);
     });
     leave(there);
     rays = rays - there;

@@ -46,7 +46,8 @@ class TileWalk {
 
   std::uint64_t run() {
     const RayMask rays = task_.set_rays(rays_, line_);
-    unanswered_ = rays;
+    unanswered_ = RayMask::first(task_.size());
+    if (const RayMask rest = unanswered_ - rays; rest.any()) one_by_one(rest);
     const double most = reach(line_, view_.bounds());
     if (most >= 0x1p-200 && most <= 0x1p200) {  // so it is in every valid file
       scale_ = std::ldexp(1.0, -std::ilogb(most) - 1);
@@ -113,28 +114,44 @@ class TileWalk {
     return m;
   }
 
-  /// Which of a group's rays the edge from `a` to `b` passes on the left; of those that are not in `rays`,
-  /// anything. `blocks`: those that have one in `rays`.
-  HWY_INLINE GroupBits left(const Moment& m, Index a, Index b, std::size_t group, const RayMask& rays,
-                            std::uint32_t blocks) {
-    const Signs16 coarse = rays_.blocks(group, m);
-    GroupBits result = GroupBits::of_blocks(coarse.left);
-    for (std::uint32_t open = blocks & ~(coarse.left | coarse.right); open != 0; open &= open - 1) {
+  /// An edge, and the group's blocks that are on one side of it.
+  struct Edge {
+    Moment moment;
+    Index a, b;
+    Signs16 blocks;
+  };
+  /// Parts a group by kCount edges: of the rays in `rays`, those that each edge passes on the left; of the
+  /// others, anything. `blocks`: those that have one in `rays`.
+  template <std::size_t kCount>
+  HWY_INLINE void part(const std::array<Edge, kCount>& edges, std::size_t group, const RayMask& rays,
+                       std::uint32_t blocks, std::array<GroupBits, kCount>& left) {
+    std::uint32_t open = 0;
+    for (const Edge& edge : edges) open |= ~(edge.blocks.left | edge.blocks.right);
+    for (open &= blocks; open != 0; open &= open - 1) {
       const auto at = static_cast<std::size_t>(std::countr_zero(open));
       const std::size_t block = group * kGroupBlocks + at;
-      const Signs16 fine = rays_.rays(block, m);
-      std::uint32_t found = fine.left;
-      if (const std::uint32_t unsure = ~(fine.left | fine.right) & rays.block(block)) [[unlikely]]
-        found |= exactly(a, b, block, unsure);
-      result = result.with(at, found);
+      const std::uint32_t active = rays.block(block);
+      for (std::size_t k = 0; k < kCount; ++k) {
+        const Edge& edge = edges[k];
+        const Signs16 fine = rays_.rays(block, edge.moment);
+        std::uint32_t found = fine.left;
+        const bool decided = (edge.blocks.left | edge.blocks.right) >> at & 1u;
+        const std::uint32_t unsure = ~(fine.left | fine.right) & active;
+        if (unsure != 0 && !decided) [[unlikely]]
+          found |= exactly(edge.a, edge.b, block, unsure);
+        left[k] = left[k].with(at, found);
+      }
     }
-    return result;
   }
+  /// The rays that the edge from `a` to `b` passes on the left.
   RayMask left(const Moment& m, Index a, Index b, const RayMask& rays) {
     RayMask result;
     rays.for_each_group([&](std::size_t g) {
       const GroupBits group(rays.group[g]);
-      store(left(m, a, b, g, rays, group.blocks()) & group, g, result);
+      const std::array<Edge, 1> edge = {{{m, a, b, rays_.blocks(g, m)}}};
+      std::array<GroupBits, 1> passed = {GroupBits::of_blocks(edge[0].blocks.left)};
+      part(edge, g, rays, group.blocks(), passed);
+      store(passed[0] & group, g, result);
     });
     return result;
   }
@@ -240,8 +257,7 @@ class TileWalk {
     Pending& next = queue_.add(tet, previous, by.depths[0] + by.depths[1] + by.depths[2]);
     next.by = by;
     next.steps = steps;
-    next.rays.groups = 0;
-    next.rays |= rays;
+    next.rays = rays;
   }
 
   void visit(const Pending& in) {
@@ -252,28 +268,37 @@ class TileWalk {
     if constexpr (kChecked) {
       if (tet >= view_.tet_count()) return one_by_one(in.rays);
     }
-    const auto& [i0, i1, i2] = in.by.ids;
-    const Index i3 = cells_.vertex_xor(tet) ^ i0 ^ i1 ^ i2;
+    const Index i3 = cells_.vertex_xor(tet) ^ in.by.ids[0] ^ in.by.ids[1] ^ in.by.ids[2];
     if constexpr (kChecked) {
       if (i3 >= vertices_.size()) return one_by_one(in.rays);
     }
     const Vec3d p3 = relative(i3);
     const Moments m = moments(in.by, p3);
-    std::array<RayMask, 3> exits;
-    in.rays.for_each_group([&](std::size_t g) {
+    std::array<RayMask, 3> exits = {RayMask(RayMask::Uninitialised()), RayMask(RayMask::Uninitialised()),
+                                    RayMask(RayMask::Uninitialised())};
+    for (std::size_t g = 0; g < kGroups; ++g) {
       const GroupBits rays(in.rays.group[g]);
-      const std::uint32_t blocks = rays.blocks();
-      const GroupBits l0 = left(m[0], i0, i3, g, in.rays, blocks),
-                      l1 = left(m[1], i1, i3, g, in.rays, blocks),
-                      l2 = left(m[2], i2, i3, g, in.rays, blocks);
-      store((rays & l0 & l2) | ((rays - l0) - l1), g, exits[0]);
-      store((rays & l0) - l2, g, exits[1]);
-      store((rays - l0) & l1, g, exits[2]);
-    });
+      if ((in.rays.groups >> g & 1u) == 0) {
+        for (RayMask& exit : exits) rays.store(exit.group[g]);  // none
+        continue;
+      }
+      const std::array<Edge, 3> edges = {{{m[0], in.by.ids[0], i3, rays_.blocks(g, m[0])},
+                                          {m[1], in.by.ids[1], i3, rays_.blocks(g, m[1])},
+                                          {m[2], in.by.ids[2], i3, rays_.blocks(g, m[2])}}};
+      std::array<GroupBits, 3> left = {GroupBits::of_blocks(edges[0].blocks.left),
+                                       GroupBits::of_blocks(edges[1].blocks.left),
+                                       GroupBits::of_blocks(edges[2].blocks.left)};
+      part(edges, g, in.rays, rays.blocks(), left);
+      store((rays & left[0] & left[2]) | ((rays - left[0]) - left[1]), g, exits[0]);
+      store((rays & left[0]) - left[2], g, exits[1]);
+      store((rays - left[0]) & left[1], g, exits[2]);
+    }
     std::size_t entry_rank = 0;
-    if constexpr (Cells::kNeedsEntryRank) entry_rank = rank(i3, i0, i1, i2);
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!exits[k].any()) continue;
+    if constexpr (Cells::kNeedsEntryRank) entry_rank = rank(i3, in.by.ids[0], in.by.ids[1], in.by.ids[2]);
+    std::uint32_t taken = 0;
+    for (std::uint32_t k = 0; k < 3; ++k) taken |= static_cast<std::uint32_t>(exits[k].any()) << k;
+    for (; taken != 0; taken &= taken - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(taken));
       Crossing by = in.by;
       const std::size_t exit_rank = rank(by.ids[k], by.ids[(k + 1) % 3], by.ids[(k + 2) % 3], i3);
       set_corner(by, k, i3, p3);

@@ -29,18 +29,15 @@ const FileView& file_of(const TrustedView& view) {
 }
 
 /// Calls together(first, count) or alone(index) for every ray.
-template <class Suits, class Together, class Alone>
-void each_tile(const Location& from, std::size_t count, const Suits& suits, const Together& together,
-               const Alone& alone) {
+template <class Together, class Alone>
+void each_tile(const Location& from, std::size_t count, const Together& together, const Alone& alone) {
   using State = Location::State;
   const bool place =
       (from.state == State::inside || from.state == State::outside) &&
       std::all_of(from.position.begin(), from.position.end(), [](double x) { return std::isfinite(x); });
   for (std::size_t begin = 0; begin < count; begin += kTileRays) {
     const std::size_t size = std::min(kTileRays, count - begin);
-    bool good = place && size >= kFewRays;
-    for (std::size_t i = begin; good && i < begin + size; ++i) good = suits(i);
-    if (good) {
+    if (place && size >= kFewRays) {
       together(begin, size);
     } else {
       for (std::size_t i = begin; i < begin + size; ++i) alone(i);
@@ -48,17 +45,12 @@ void each_tile(const Location& from, std::size_t count, const Suits& suits, cons
   }
 }
 
-bool suits_tile(const Vec3f& d) {
-  const float largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-  return largest >= 0x1p-60f && largest <= 0x1p60f && !std::isnan(d.x + d.y + d.z);
-}
-
 template <class View>
 std::uint64_t first_hits_in(const View& view, const Location& from, std::span<const Vec3f> directions,
                             std::span<Hit> hits) {
   std::uint64_t visits = 0;
   each_tile(
-      from, directions.size(), [&](std::size_t i) { return suits_tile(directions[i]); },
+      from, directions.size(),
       [&](std::size_t first, std::size_t count) {
         visits += tracers(view).first_hits(file_of(view), from, directions.subspan(first, count),
                                            hits.subspan(first, count));
@@ -75,7 +67,7 @@ std::uint64_t occlusions_in(const View& view, const Location& from, std::span<co
                             std::span<Outcome> outcomes) {
   std::uint64_t visits = 0;
   each_tile(
-      from, targets.size(), [](std::size_t) { return true; },
+      from, targets.size(),
       [&](std::size_t first, std::size_t count) {
         visits += tracers(view).occlusions(file_of(view), from, targets.subspan(first, count),
                                            outcomes.subspan(first, count));
