@@ -40,6 +40,7 @@ class GroupBits {
   using V = hn::Vec<D>;
 
  public:
+  GroupBits() = default;
   explicit GroupBits(const RayMask::Group& group)
       : v_(hn::Load(D(), reinterpret_cast<const std::uint16_t*>(group.data()))) {}
   void store(RayMask::Group& group) const {
@@ -73,6 +74,7 @@ class GroupBits {
 #else
 class GroupBits {
  public:
+  GroupBits() = default;
   explicit GroupBits(const RayMask::Group& group) : words_(group) {}
   void store(RayMask::Group& group) const { group = words_; }
   static GroupBits of_blocks(std::uint32_t blocks) {
@@ -119,16 +121,19 @@ class GroupBits {
 };
 #endif
 
-/// A moment (a - o) x (b - o), scaled, and the bound for the error of its product with a direction.
-struct Moment {
-  float x, y, z, bound;
+/// Moments (a - o) x (b - o) of up to four edges, scaled: coordinate by coordinate. By how much their
+/// products with a direction may be off (`bound`), and with that differ between the middle and any ray of a
+/// block
+/// (`around`).
+struct Moments {
+  alignas(16) std::array<float, 4> x, y, z, bound, around;
 };
 
 struct Signs16 {
   std::uint32_t left = 0, right = 0;
 };
 
-/// Directions, component by component, and the boxes around those of each block.
+/// Directions, component by component, and boxes around those of each block, all of one size.
 class TileRays {
  public:
   alignas(64) std::array<float, kTileRays> x, y, z;
@@ -138,61 +143,65 @@ class TileRays {
   void enclose(const RayMask& rays, std::size_t count) {
     fill_gaps(rays, count);
     const Lanes d;
-    auto largest = hn::Zero(d);
     axis_ = {};
+    std::array<hn::Vec<Lanes>, 3> halves = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    auto largest = hn::Zero(d);
     for (std::size_t b = 0; b < count / kBlockRays + (count % kBlockRays != 0); b += hn::Lanes(d)) {
-      largest = hn::Max(largest, enclose(x, b, middle_x_, half_x_, axis_[0]));
-      largest = hn::Max(largest, enclose(y, b, middle_y_, half_y_, axis_[1]));
-      largest = hn::Max(largest, enclose(z, b, middle_z_, half_z_, axis_[2]));
+      enclose(x, b, middle_x_, axis_[0], halves[0], largest);
+      enclose(y, b, middle_y_, axis_[1], halves[1], largest);
+      enclose(z, b, middle_z_, axis_[2], halves[2], largest);
     }
+    for (std::size_t k = 0; k < 3; ++k) half_[k] = hn::GetLane(hn::MaxOfLanes(d, halves[k]));
     largest_ = hn::GetLane(hn::MaxOfLanes(d, largest));
+  }
+  /// From moments, the rest of `m`.
+  template <class D>
+  HWY_INLINE void set_moments(D d, hn::Vec<D> mx, hn::Vec<D> my, hn::Vec<D> mz, std::size_t i,
+                              Moments& m) const {
+    const auto ax = hn::Abs(mx), ay = hn::Abs(my), az = hn::Abs(mz);
+    const auto bound = hn::MulAdd(hn::Add(hn::Add(ax, ay), az), hn::Set(d, 0x1p-21f * largest_),
+                                  hn::Set(d, 0x1p-45f * largest_));
+    hn::Store(mx, d, &m.x[i]);
+    hn::Store(my, d, &m.y[i]);
+    hn::Store(mz, d, &m.z[i]);
+    hn::Store(bound, d, &m.bound[i]);
+    hn::Store(hn::MulAdd(hn::Set(d, half_[0]), ax,
+                         hn::MulAdd(hn::Set(d, half_[1]), ay, hn::MulAdd(hn::Set(d, half_[2]), az, bound))),
+              d, &m.around[i]);
   }
   /// The largest component of a direction, or slightly more.
   float largest() const { return largest_; }
   /// The sum of the blocks' middles: a vector along the tile.
   const std::array<float, 3>& axis() const { return axis_; }
 
-  /// The blocks of a group, all at once: which lie on one side.
-  HWY_INLINE Signs16 blocks(std::size_t group, const Moment& m) const {
-    const Lanes d;
-    const auto mx = hn::Set(d, m.x), my = hn::Set(d, m.y), mz = hn::Set(d, m.z), bound = hn::Set(d, m.bound);
-    const auto ax = hn::Abs(mx), ay = hn::Abs(my), az = hn::Abs(mz);
-    Signs16 signs;
-    for (std::size_t i = 0; i < kGroupBlocks; i += hn::Lanes(d)) {
-      const std::size_t b = group * kGroupBlocks + i;
-      const auto at_middle = product(d, middle_x_, middle_y_, middle_z_, b, mx, my, mz);
-      const auto around = hn::MulAdd(
-          hn::Load(d, &half_x_[b]), ax,
-          hn::MulAdd(hn::Load(d, &half_y_[b]), ay, hn::MulAdd(hn::Load(d, &half_z_[b]), az, bound)));
-      signs.left |= bits(d, hn::Gt(at_middle, around)) << i;
-      signs.right |= bits(d, hn::Lt(at_middle, hn::Neg(around))) << i;
-    }
-    return signs;
+  /// On which side of edge k the blocks of a group are: those that are on one.
+  HWY_INLINE Signs16 blocks(std::size_t group, const Moments& m, std::size_t k) const {
+    return signs(middle_x_, middle_y_, middle_z_, group * kGroupBlocks, m, k, m.around[k]);
   }
-
-  /// The rays of a block, all at once.
-  HWY_INLINE Signs16 rays(std::size_t block, const Moment& m) const {
-    const Lanes d;
-    const auto mx = hn::Set(d, m.x), my = hn::Set(d, m.y), mz = hn::Set(d, m.z), bound = hn::Set(d, m.bound);
-    Signs16 signs;
-    for (std::size_t i = 0; i < kBlockRays; i += hn::Lanes(d)) {
-      const auto value = product(d, x, y, z, block * kBlockRays + i, mx, my, mz);
-      signs.left |= bits(d, hn::Gt(value, bound)) << i;
-      signs.right |= bits(d, hn::Lt(value, hn::Neg(bound))) << i;
-    }
-    return signs;
+  /// On which side of edge k the rays of a block pass: those that are not within the bound.
+  HWY_INLINE Signs16 rays(std::size_t block, const Moments& m, std::size_t k) const {
+    return signs(x, y, z, block * kBlockRays, m, k, m.bound[k]);
   }
 
  private:
   using Blocks = std::array<float, kTileBlocks>;
 
   template <std::size_t kSize>
-  static HWY_INLINE hn::Vec<Lanes> product(Lanes d, const std::array<float, kSize>& px,
-                                           const std::array<float, kSize>& py,
-                                           const std::array<float, kSize>& pz, std::size_t i,
-                                           hn::Vec<Lanes> mx, hn::Vec<Lanes> my, hn::Vec<Lanes> mz) {
-    return hn::MulAdd(hn::Load(d, &px[i]), mx,
-                      hn::MulAdd(hn::Load(d, &py[i]), my, hn::Mul(hn::Load(d, &pz[i]), mz)));
+  static HWY_INLINE Signs16 signs(const std::array<float, kSize>& px, const std::array<float, kSize>& py,
+                                  const std::array<float, kSize>& pz, std::size_t first, const Moments& m,
+                                  std::size_t k, float margin) {
+    const Lanes d;
+    const auto mx = hn::Set(d, m.x[k]), my = hn::Set(d, m.y[k]), mz = hn::Set(d, m.z[k]),
+               bound = hn::Set(d, margin);
+    Signs16 result;
+    for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+      const auto product =
+          hn::MulAdd(hn::Load(d, &px[first + i]), mx,
+                     hn::MulAdd(hn::Load(d, &py[first + i]), my, hn::Mul(hn::Load(d, &pz[first + i]), mz)));
+      result.left |= bits(d, hn::Gt(product, bound)) << i;
+      result.right |= bits(d, hn::Lt(product, hn::Neg(bound))) << i;
+    }
+    return result;
   }
 
   void fill_gaps(const RayMask& rays, std::size_t count) {
@@ -218,9 +227,9 @@ class TileRays {
     }
   }
 
-  /// Of as many blocks as there are lanes, from block b on: one component. Returns its largest size in each.
-  HWY_INLINE hn::Vec<Lanes> enclose(const std::array<float, kTileRays>& of, std::size_t b, Blocks& middles,
-                                    Blocks& halves, float& sum) {
+  /// Of as many blocks as there are lanes, from block b on: one component.
+  HWY_INLINE void enclose(const std::array<float, kTileRays>& of, std::size_t b, Blocks& middles, float& sum,
+                          hn::Vec<Lanes>& most_half, hn::Vec<Lanes>& largest) {
     const Lanes d;
     constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
     using V = hn::Vec<Lanes>;
@@ -250,12 +259,13 @@ class TileRays {
     const V half =
         hn::Mul(hn::Max(hn::Sub(high[0], middle), hn::Sub(middle, low[0])), hn::Set(d, 1 + 0x1p-22f));
     hn::Store(middle, d, &middles[b]);
-    hn::Store(half, d, &halves[b]);
     sum += hn::GetLane(hn::SumOfLanes(d, middle));
-    return hn::Add(hn::Abs(middle), half);
+    most_half = hn::Max(most_half, half);
+    largest = hn::Max(largest, hn::Add(hn::Abs(middle), half));
   }
 
-  alignas(64) Blocks middle_x_, middle_y_, middle_z_, half_x_, half_y_, half_z_;
+  alignas(64) Blocks middle_x_, middle_y_, middle_z_;
+  std::array<float, 3> half_{};  ///< half the extent of the blocks' boxes, the largest of each component
   std::array<float, 3> axis_{};
   float largest_ = 0;
 };

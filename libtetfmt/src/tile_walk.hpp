@@ -87,71 +87,55 @@ class TileWalk {
     return c;
   }
 
-  struct Moments {
-    alignas(16) std::array<float, 4> x, y, z, bound;
-    Moment operator[](std::size_t k) const { return {x[k], y[k], z[k], bound[k]}; }
-  };
   /// Of the edges from each corner to `p`.
   HWY_INLINE Moments moments(const Crossing& c, const Vec3d& p) const {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> f;
     const auto px = hn::Set(d, p[0]), py = hn::Set(d, p[1]), pz = hn::Set(d, p[2]);
-    const auto factor = hn::Set(f, 0x1p-21f * rays_.largest()),
-               least = hn::Set(f, 0x1p-45f * rays_.largest());
     Moments m;
     for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
       const auto ex = hn::Sub(hn::Load(d, &c.x[i]), px), ey = hn::Sub(hn::Load(d, &c.y[i]), py),
                  ez = hn::Sub(hn::Load(d, &c.z[i]), pz);
-      const auto x = hn::DemoteTo(f, hn::Sub(hn::Mul(ey, pz), hn::Mul(ez, py))),
-                 y = hn::DemoteTo(f, hn::Sub(hn::Mul(ez, px), hn::Mul(ex, pz))),
-                 z = hn::DemoteTo(f, hn::Sub(hn::Mul(ex, py), hn::Mul(ey, px)));
-      const auto size = hn::Add(hn::Add(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
-      hn::Store(x, f, &m.x[i]);
-      hn::Store(y, f, &m.y[i]);
-      hn::Store(z, f, &m.z[i]);
-      hn::Store(hn::MulAdd(size, factor, least), f, &m.bound[i]);
+      rays_.set_moments(f, hn::DemoteTo(f, hn::Sub(hn::Mul(ey, pz), hn::Mul(ez, py))),
+                        hn::DemoteTo(f, hn::Sub(hn::Mul(ez, px), hn::Mul(ex, pz))),
+                        hn::DemoteTo(f, hn::Sub(hn::Mul(ex, py), hn::Mul(ey, px))), i, m);
     }
     return m;
   }
 
-  /// An edge, and the group's blocks that are on one side of it.
-  struct Edge {
-    Moment moment;
-    Index a, b;
-    Signs16 blocks;
-  };
-  /// Parts a group by kCount edges: of the rays in `rays`, those that each edge passes on the left; of the
-  /// others, anything. `blocks`: those that have one in `rays`.
+  /// Parts a group of `rays` by kCount edges from the corners `a` to `b`, whose moments begin with the
+  /// `first` of `m`. Returns those that each edge passes on the left; of rays that are not in the set,
+  /// anything.
   template <std::size_t kCount>
-  HWY_INLINE void part(const std::array<Edge, kCount>& edges, std::size_t group, const RayMask& rays,
-                       std::uint32_t blocks, std::array<GroupBits, kCount>& left) {
-    std::uint32_t open = 0;
-    for (const Edge& edge : edges) open |= ~(edge.blocks.left | edge.blocks.right);
-    for (open &= blocks; open != 0; open &= open - 1) {
-      const auto at = static_cast<std::size_t>(std::countr_zero(open));
-      const std::size_t block = group * kGroupBlocks + at;
-      const std::uint32_t active = rays.block(block);
-      for (std::size_t k = 0; k < kCount; ++k) {
-        const Edge& edge = edges[k];
-        const Signs16 fine = rays_.rays(block, edge.moment);
-        std::uint32_t found = fine.left;
-        const bool decided = (edge.blocks.left | edge.blocks.right) >> at & 1u;
-        const std::uint32_t unsure = ~(fine.left | fine.right) & active;
-        if (unsure != 0 && !decided) [[unlikely]]
-          found |= exactly(edge.a, edge.b, block, unsure);
-        left[k] = left[k].with(at, found);
-      }
+  HWY_INLINE std::array<GroupBits, kCount> part(const Moments& m, std::size_t first,
+                                                const std::array<Index, kCount>& a, Index b,
+                                                std::size_t group, const RayMask& rays,
+                                                std::uint32_t blocks) {
+    std::array<Signs16, kCount> coarse;
+    std::uint64_t open = 0;  // bit 16 k + b: block b by edge k
+    for (std::size_t k = 0; k < kCount; ++k) {
+      coarse[k] = rays_.blocks(group, m, first + k);
+      open |= std::uint64_t{~(coarse[k].left | coarse[k].right) & blocks} << (16 * k);
     }
+    std::array<GroupBits, kCount> left;
+    for (std::size_t k = 0; k < kCount; ++k) left[k] = GroupBits::of_blocks(coarse[k].left);
+    for (; open != 0; open &= open - 1) {
+      const auto bit = static_cast<std::size_t>(std::countr_zero(open)), k = bit / 16, at = bit % 16;
+      const std::size_t block = group * kGroupBlocks + at;
+      const Signs16 fine = rays_.rays(block, m, first + k);
+      std::uint32_t found = fine.left;
+      if (const std::uint32_t unsure = ~(fine.left | fine.right) & rays.block(block)) [[unlikely]]
+        found |= exactly(a[k], b, block, unsure);
+      left[k] = left[k].with(at, found);
+    }
+    return left;
   }
-  /// The rays that the edge from `a` to `b` passes on the left.
-  RayMask left(const Moment& m, Index a, Index b, const RayMask& rays) {
+  /// The rays that the edge from `a` to `b` passes on the left, of moment k.
+  RayMask left(const Moments& m, std::size_t k, Index a, Index b, const RayMask& rays) {
     RayMask result;
     rays.for_each_group([&](std::size_t g) {
       const GroupBits group(rays.group[g]);
-      const std::array<Edge, 1> edge = {{{m, a, b, rays_.blocks(g, m)}}};
-      std::array<GroupBits, 1> passed = {GroupBits::of_blocks(edge[0].blocks.left)};
-      part(edge, g, rays, group.blocks(), passed);
-      store(passed[0] & group, g, result);
+      store(part<1>(m, k, {a}, b, g, rays, group.blocks())[0] & group, g, result);
     });
     return result;
   }
@@ -178,7 +162,7 @@ class TileWalk {
     for (std::size_t b = 1; b < 4; ++b) {
       const Moments m = moments(crossing({v[0], v[1], v[2]}), relative(v[b]));
       for (std::size_t a = 0; a < b; ++a) {
-        lefts[a][b] = left(m[a], v[a], v[b], rays);
+        lefts[a][b] = left(m, a, v[a], v[b], rays);
         lefts[b][a] = rays - lefts[a][b];
       }
     }
@@ -202,7 +186,7 @@ class TileWalk {
       if (!inwards) std::swap(v[1], v[2]);
       const Crossing by = crossing(v);
       const auto edge = [&](std::size_t a, std::size_t b) {
-        return left(moments(by, relative(v[b]))[a], v[a], v[b], rest);
+        return left(moments(by, relative(v[b])), a, v[a], v[b], rest);
       };
       const RayMask through = edge(0, 1) & edge(1, 2) & edge(2, 0);
       rest = rest - through;
@@ -282,13 +266,7 @@ class TileWalk {
         for (RayMask& exit : exits) rays.store(exit.group[g]);  // none
         continue;
       }
-      const std::array<Edge, 3> edges = {{{m[0], in.by.ids[0], i3, rays_.blocks(g, m[0])},
-                                          {m[1], in.by.ids[1], i3, rays_.blocks(g, m[1])},
-                                          {m[2], in.by.ids[2], i3, rays_.blocks(g, m[2])}}};
-      std::array<GroupBits, 3> left = {GroupBits::of_blocks(edges[0].blocks.left),
-                                       GroupBits::of_blocks(edges[1].blocks.left),
-                                       GroupBits::of_blocks(edges[2].blocks.left)};
-      part(edges, g, in.rays, rays.blocks(), left);
+      const auto left = part<3>(m, 0, in.by.ids, i3, g, in.rays, rays.blocks());
       store((rays & left[0] & left[2]) | ((rays - left[0]) - left[1]), g, exits[0]);
       store((rays & left[0]) - left[2], g, exits[1]);
       store((rays - left[0]) & left[1], g, exits[2]);
