@@ -121,19 +121,17 @@ class GroupBits {
 };
 #endif
 
-/// Moments (a - o) x (b - o) of up to four edges, scaled: coordinate by coordinate. By how much their
-/// products with a direction may be off (`bound`), and with that differ between the middle and any ray of a
-/// block
-/// (`around`).
+/// Moments (a - o) x (b - o) of up to four edges, scaled, coordinate by coordinate; the sums of the sizes of
+/// their components; and by how much their products with a direction may be off.
 struct Moments {
-  alignas(16) std::array<float, 4> x, y, z, bound, around;
+  alignas(16) std::array<float, 4> x, y, z, size, bound;
 };
 
 struct Signs16 {
   std::uint32_t left = 0, right = 0;
 };
 
-/// Directions, component by component, and boxes around those of each block, all of one size.
+/// Directions, component by component, and cubes around those of each block.
 class TileRays {
  public:
   alignas(64) std::array<float, kTileRays> x, y, z;
@@ -144,30 +142,27 @@ class TileRays {
     fill_gaps(rays, count);
     const Lanes d;
     axis_ = {};
-    std::array<hn::Vec<Lanes>, 3> halves = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     auto largest = hn::Zero(d);
     for (std::size_t b = 0; b < count / kBlockRays + (count % kBlockRays != 0); b += hn::Lanes(d)) {
-      enclose(x, b, middle_x_, axis_[0], halves[0], largest);
-      enclose(y, b, middle_y_, axis_[1], halves[1], largest);
-      enclose(z, b, middle_z_, axis_[2], halves[2], largest);
+      auto radius = hn::Zero(d);
+      enclose(x, b, middle_x_, axis_[0], radius, largest);
+      enclose(y, b, middle_y_, axis_[1], radius, largest);
+      enclose(z, b, middle_z_, axis_[2], radius, largest);
+      hn::Store(radius, d, &radius_[b]);
     }
-    for (std::size_t k = 0; k < 3; ++k) half_[k] = hn::GetLane(hn::MaxOfLanes(d, halves[k]));
     largest_ = hn::GetLane(hn::MaxOfLanes(d, largest));
   }
   /// From moments, the rest of `m`.
   template <class D>
   HWY_INLINE void set_moments(D d, hn::Vec<D> mx, hn::Vec<D> my, hn::Vec<D> mz, std::size_t i,
                               Moments& m) const {
-    const auto ax = hn::Abs(mx), ay = hn::Abs(my), az = hn::Abs(mz);
-    const auto bound = hn::MulAdd(hn::Add(hn::Add(ax, ay), az), hn::Set(d, 0x1p-21f * largest_),
-                                  hn::Set(d, 0x1p-45f * largest_));
+    const auto size = hn::Add(hn::Add(hn::Abs(mx), hn::Abs(my)), hn::Abs(mz));
     hn::Store(mx, d, &m.x[i]);
     hn::Store(my, d, &m.y[i]);
     hn::Store(mz, d, &m.z[i]);
-    hn::Store(bound, d, &m.bound[i]);
-    hn::Store(hn::MulAdd(hn::Set(d, half_[0]), ax,
-                         hn::MulAdd(hn::Set(d, half_[1]), ay, hn::MulAdd(hn::Set(d, half_[2]), az, bound))),
-              d, &m.around[i]);
+    hn::Store(size, d, &m.size[i]);
+    hn::Store(hn::MulAdd(size, hn::Set(d, 0x1p-21f * largest_), hn::Set(d, 0x1p-45f * largest_)), d,
+              &m.bound[i]);
   }
   /// The largest component of a direction, or slightly more.
   float largest() const { return largest_; }
@@ -176,28 +171,32 @@ class TileRays {
 
   /// On which side of edge k the blocks of a group are: those that are on one.
   HWY_INLINE Signs16 blocks(std::size_t group, const Moments& m, std::size_t k) const {
-    return signs(middle_x_, middle_y_, middle_z_, group * kGroupBlocks, m, k, m.around[k]);
+    const Lanes d;
+    const auto size = hn::Set(d, m.size[k] * (1 + 0x1p-20f)), bound = hn::Set(d, m.bound[k]);
+    return signs(middle_x_, middle_y_, middle_z_, group * kGroupBlocks, m, k,
+                 [&](std::size_t b) { return hn::MulAdd(hn::Load(d, &radius_[b]), size, bound); });
   }
   /// On which side of edge k the rays of a block pass: those that are not within the bound.
   HWY_INLINE Signs16 rays(std::size_t block, const Moments& m, std::size_t k) const {
-    return signs(x, y, z, block * kBlockRays, m, k, m.bound[k]);
+    const auto bound = hn::Set(Lanes(), m.bound[k]);
+    return signs(x, y, z, block * kBlockRays, m, k, [&](std::size_t) { return bound; });
   }
 
  private:
   using Blocks = std::array<float, kTileBlocks>;
 
-  template <std::size_t kSize>
+  template <std::size_t kSize, class Margin>
   static HWY_INLINE Signs16 signs(const std::array<float, kSize>& px, const std::array<float, kSize>& py,
                                   const std::array<float, kSize>& pz, std::size_t first, const Moments& m,
-                                  std::size_t k, float margin) {
+                                  std::size_t k, const Margin& margin) {
     const Lanes d;
-    const auto mx = hn::Set(d, m.x[k]), my = hn::Set(d, m.y[k]), mz = hn::Set(d, m.z[k]),
-               bound = hn::Set(d, margin);
+    const auto mx = hn::Set(d, m.x[k]), my = hn::Set(d, m.y[k]), mz = hn::Set(d, m.z[k]);
     Signs16 result;
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
       const auto product =
           hn::MulAdd(hn::Load(d, &px[first + i]), mx,
                      hn::MulAdd(hn::Load(d, &py[first + i]), my, hn::Mul(hn::Load(d, &pz[first + i]), mz)));
+      const auto bound = margin(first + i);
       result.left |= bits(d, hn::Gt(product, bound)) << i;
       result.right |= bits(d, hn::Lt(product, hn::Neg(bound))) << i;
     }
@@ -229,7 +228,7 @@ class TileRays {
 
   /// Of as many blocks as there are lanes, from block b on: one component.
   HWY_INLINE void enclose(const std::array<float, kTileRays>& of, std::size_t b, Blocks& middles, float& sum,
-                          hn::Vec<Lanes>& most_half, hn::Vec<Lanes>& largest) {
+                          hn::Vec<Lanes>& radius, hn::Vec<Lanes>& largest) {
     const Lanes d;
     constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
     using V = hn::Vec<Lanes>;
@@ -260,12 +259,12 @@ class TileRays {
         hn::Mul(hn::Max(hn::Sub(high[0], middle), hn::Sub(middle, low[0])), hn::Set(d, 1 + 0x1p-22f));
     hn::Store(middle, d, &middles[b]);
     sum += hn::GetLane(hn::SumOfLanes(d, middle));
-    most_half = hn::Max(most_half, half);
+    radius = hn::Max(radius, half);
     largest = hn::Max(largest, hn::Add(hn::Abs(middle), half));
   }
 
-  alignas(64) Blocks middle_x_, middle_y_, middle_z_;
-  std::array<float, 3> half_{};  ///< half the extent of the blocks' boxes, the largest of each component
+  /// Of each block, the middle of its box, and half the box's largest extent.
+  alignas(64) Blocks middle_x_, middle_y_, middle_z_, radius_;
   std::array<float, 3> axis_{};
   float largest_ = 0;
 };

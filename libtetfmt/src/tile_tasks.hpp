@@ -234,13 +234,17 @@ class OcclusionsTask {
     return find(tet, rays);
   }
   bool meet(const Line&, const Leaving& leaving, const RayMask& rays, const TileRays&) const {
-    const auto corner = [&](std::size_t k) {
-      return Corner{view_.vertices()[leaving.ids[k]], leaving.ids[k]};
-    };
+    std::array<Corner, 3> corners;
+    std::array<Vec3d, 3> at;
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k] = {view_.vertices()[leaving.ids[k]], leaving.ids[k]};
+      at[k] = to_vec3d(corners[k].point);
+    }
     rays.for_each([&](std::size_t r) {
-      // The face may be met after the end.
-      outcomes_[r] =
-          behind(corner(0), corner(1), corner(2), place(targets_[r])) ? Outcome::miss : Outcome::hit;
+      const Vec3d& to = targets_[r].position;
+      const int sign = certified_sign(minus(at[0], to), minus(at[1], to), minus(at[2], to));
+      const bool late = sign != 0 ? sign > 0 : behind(corners[0], corners[1], corners[2], place(targets_[r]));
+      outcomes_[r] = late ? Outcome::miss : Outcome::hit;  // the face may be met after the end
     });
     return true;
   }
