@@ -16,6 +16,7 @@ class Attributes {
       : view_(view), attributes_(view), report_(report), inputs_(view.input_triangles().size()) {}
 
   void run() {
+    check_bounds();
     check_origins();
     check_counts();
     check_indices();
@@ -45,6 +46,20 @@ class Attributes {
     if (entry == nullptr || view_.find(partner) != nullptr) return;
     add(Code::attribute_count, entry->offset,
         [&] { return std::string(name) + " is there without " + partner_name; });
+  }
+
+  void check_bounds() {
+    const SectionEntry* const entry = view_.find(kSurfaceBounds);
+    if (entry == nullptr) return;
+    Bounds bounds;
+    for (const Triangle& triangle : view_.triangles())
+      for (const Index id : triangle.vertices)
+        if (id < view_.vertices().size()) bounds.add(view_.vertices()[id]);
+    const Bounds& claimed = view_.surface_bounds();
+    if (!(claimed.lower == bounds.lower && claimed.upper == bounds.upper)) {
+      add(Code::surface_bounds, entry->offset,
+          [] { return std::string("BNDS is not the box around the triangles' corners"); });
+    }
   }
 
   void check_origins() {

@@ -48,7 +48,7 @@ inline bool can_be_followed(const Line& line) {
 template <class Cells, class Signs>
 std::optional<Passage> enter_hull(const FileView& view, const Cells& cells, const Signs& signs,
                                   const Line& line, const Location& start) {
-  if (!may_meet(view.bounds(), line)) return std::nullopt;
+  if (!may_meet(view.surface_bounds(), line)) return std::nullopt;
   const auto points = view.vertices();
   const auto enter = [&](const HullFace& face, bool inwards) -> std::optional<Passage> {
     std::array<Index, 3> v = face.vertices;

@@ -20,6 +20,7 @@ struct OptionalKind {
 /// What only speaks of input triangles is still true when tetrahedra and vertices are rewritten.
 constexpr OptionalKind kOptionalKinds[] = {{kMetadata, 1, kSafeToCopy},
                                            {kRegions, sizeof(Region), 0},
+                                           {kSurfaceBounds, sizeof(SurfaceBounds), 0},
                                            {kOrigins, sizeof(Index), 0},
                                            {kInputTriangles, sizeof(Triangle), 0},
                                            {kTexts, 1, kSafeToCopy},
@@ -153,6 +154,8 @@ void check_entry(const SectionEntry& entry, std::uint64_t where, const FileHeade
   const std::uint32_t stride = known_stride(entry.kind, header);
   // Without a stride, nothing would tie the count (of materials, say) to the bytes that are there.
   if (entry.stride == 0 || (stride != 0 && entry.stride != stride)) bad("stride", entry.stride);
+
+  if (entry.kind == kSurfaceBounds && entry.count != 1) bad("count", entry.count);
 
   // count * stride by division: the product itself may overflow.
   const bool agrees = entry.stride == 0 ? entry.raw_bytes == 0

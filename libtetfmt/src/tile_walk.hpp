@@ -45,12 +45,13 @@ class TileWalk {
         queue_(queue) {}
 
   std::uint64_t run() {
-    const RayMask rays = task_.set_rays(rays_, line_);
+    RayMask rays = task_.set_rays(rays_, line_);
     unanswered_ = RayMask::first(task_.size());
     if (const RayMask rest = unanswered_ - rays; rest.any()) one_by_one(rest);
     const double most = reach(line_, view_.bounds());
     if (most >= 0x1p-200 && most <= 0x1p200) {  // so it is in every valid file
       scale_ = std::ldexp(1.0, -std::ilogb(most) - 1);
+      rays = may_meet_surface(rays);
       if (from_.state == Location::State::inside)
         start_inside(rays);
       else
@@ -152,6 +153,58 @@ class TileWalk {
       task_.line(line, block * kBlockRays + lane);
       if (passes_left(line, {vertices_[a], a}, {vertices_[b], b}).left) result |= 1u << lane;
     }
+    return result;
+  }
+
+  /// Those of `rays` that do not certainly miss the box around the surface: those that may pass through a
+  /// face of it that the origin sees.
+  HWY_NOINLINE RayMask may_meet_surface(const RayMask& rays) const {
+    const Bounds& box = view_.surface_bounds();
+    const std::array<std::array<float, 3>, 2> ends = {
+        {{box.lower.x, box.lower.y, box.lower.z}, {box.upper.x, box.upper.y, box.upper.z}}};
+    RayMask result;
+    bool inside = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double o = line_.origin.point[k];
+      const bool below = o<ends[0][k], above = o> ends[1][k];
+      if (!below && !above) continue;
+      inside = false;
+      // The corners in the order in which they run counter-clockwise about a ray that goes in.
+      const std::size_t i = (k + (below ? 1 : 2)) % 3, j = 3 - k - i;
+      std::array<Vec3d, 4> corners;
+      for (std::size_t c = 0; c < 4; ++c) {
+        Vec3d at;
+        at[k] = ends[below ? 0 : 1][k];
+        at[i] = ends[c == 1 || c == 2 ? 1 : 0][i];
+        at[j] = ends[c >= 2 ? 1 : 0][j];
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          corners[c][axis] = (at[axis] - line_.origin.point[axis]) * scale_;
+      }
+      RayMask through = rays;
+      for (std::size_t c = 0; c < 4; ++c) {
+        Crossing edge{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          (axis == 0 ? edge.x : axis == 1 ? edge.y : edge.z)[0] = corners[c][axis];
+        through = not_right(moments(edge, corners[(c + 1) % 4]), through);
+      }
+      result |= through;
+    }
+    return inside ? rays : result;
+  }
+  /// Those that the edge of the first moment does not certainly pass on the right.
+  RayMask not_right(const Moments& m, const RayMask& rays) const {
+    RayMask result;
+    rays.for_each_group([&](std::size_t g) {
+      const GroupBits group(rays.group[g]);
+      const Signs16 coarse = rays_.blocks(g, m, 0);
+      GroupBits passed = group - GroupBits::of_blocks(coarse.right);
+      for (std::uint32_t open = group.blocks() & ~(coarse.left | coarse.right); open != 0; open &= open - 1) {
+        const auto at = static_cast<std::size_t>(std::countr_zero(open));
+        const std::uint32_t right = rays_.rays(g * kGroupBlocks + at, m, 0).right;
+        passed = passed - GroupBits::of_blocks(0).with(at, right);
+      }
+      store(passed, g, result);
+    });
     return result;
   }
 

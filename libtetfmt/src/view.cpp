@@ -42,12 +42,18 @@ Result<FileView> FileView::open(std::span<const std::byte> bytes, const Limits& 
       view.bounds_.add(region.lower);
       view.bounds_.add(region.upper);
     }
-    return view;
-  }
-  for (const HullFace& face : view.hull_) {
-    for (const Index id : face.vertices) {
-      if (id < view.vertices_.size()) view.bounds_.add(view.vertices_[id]);
+  } else {
+    for (const HullFace& face : view.hull_) {
+      for (const Index id : face.vertices) {
+        if (id < view.vertices_.size()) view.bounds_.add(view.vertices_[id]);
+      }
     }
+  }
+  view.surface_bounds_ = view.bounds_;
+  if (const auto bounds = typed<SurfaceBounds>(view.section(kSurfaceBounds)); !bounds.empty()) {
+    view.surface_bounds_ = {};
+    view.surface_bounds_.add(bounds[0].lower);
+    view.surface_bounds_.add(bounds[0].upper);
   }
   return view;
 }

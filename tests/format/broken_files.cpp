@@ -151,6 +151,8 @@ const std::vector<BrokenFile>& broken_files() {
       {Code::section_field, "flag", [] { return edited([](Bytes& b) { entry(b, kVertices).flags = 5; }); }},
       {Code::section_field, "META required",
        [] { return edited([](Bytes& b) { entry(b, kMetadata).flags = 1; }); }},
+      {Code::section_field, "two BNDS in one",
+       [] { return attributed([](Mesh& m) { part(m, kSurfaceBounds).bytes.resize(48); }); }},
       {Code::section_field, "REGN safe to copy",
        [] {
          Bytes bytes = encode(attributed_mesh(), Layout::tet20);
@@ -566,6 +568,15 @@ const std::vector<BrokenFile>& broken_files() {
        [] { return regioned([](std::vector<Region>& r) { r[1].volume = std::nextafter(r[1].volume, 0); }); }},
       {Code::region_measure, "bounds",
        [] { return regioned([](std::vector<Region>& r) { r[0].upper.y += 1; }); }},
+      {Code::surface_bounds, "too small",
+       [] {
+         return attributed(
+             [](Mesh& m) { std::swap(word(m, kSurfaceBounds, 0), word(m, kSurfaceBounds, 3)); });
+       }},
+      {Code::surface_bounds, "too large",
+       [] {
+         return attributed([](Mesh& m) { word(m, kSurfaceBounds, 4) = std::bit_cast<std::uint32_t>(1e9f); });
+       }},
       {Code::attribute_count, "ORIG without SURF",
        [] { return attributed([](Mesh& m) { drop(m, kInputTriangles); }); }},
       {Code::attribute_count, "SURF without ORIG",

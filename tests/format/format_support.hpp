@@ -123,6 +123,7 @@ inline tetfmt::Mesh attributed_mesh() {
   const std::vector<tetfmt::Property> properties{{20, 6}, {1, 7}};
   const std::vector<double> values{1, 2, 3, 4, 0.1, 0.2, 0.3, 0.4};
   using namespace tetfmt;
+  mesh = with_surface_bounds(mesh);
   mesh.optional.push_back(optional_section(kOrigins, 4, origins));
   mesh.optional.push_back(optional_section(kInputTriangles, 12, inputs));
   mesh.optional.push_back(optional_section(kTexts, 1, std::vector<char>(text.begin(), text.end())));

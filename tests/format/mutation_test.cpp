@@ -124,7 +124,8 @@ class FieldForger {
       values.insert(static_cast<T>(original + below(256) - 128));
     }
     values.erase(original);
-    if (name == "REGN" && original == 0) values.erase(T{0x80000000u});  // a bound of -0 is one of 0
+    if ((name == "REGN" || name == "BNDS") && original == 0)
+      values.erase(T{0x80000000u});  // a bound of -0 is 0
     for (const T value : values) {
       Bytes forged = bytes_;
       at<T>(forged, offset) = value;
@@ -166,6 +167,8 @@ void forge_all(const tetfmt::Mesh& mesh, unsigned random_values, unsigned seed) 
     forger.forge_section(tetfmt::kTriangles, "TRIA");
     forger.forge_section(tetfmt::kHullFaces, "HULL");
     if (tetfmt::FileView::open(bytes)->find(tetfmt::kRegions)) forger.forge_section(tetfmt::kRegions, "REGN");
+    if (tetfmt::FileView::open(bytes)->find(tetfmt::kSurfaceBounds))
+      forger.forge_section(tetfmt::kSurfaceBounds, "BNDS");
 
     // Header: all but the version, the origin (any finite one is right) and the hashes.
     for (const std::uint64_t offset : {12, 32, 36, 40, 44, 48, 52, 56, 60, 88, 92, 96, 100, 104, 108})

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "support/lattice_mesh.hpp"
+#include "support/region_mesh.hpp"
 #include "support/same.hpp"
 #include "tetfmt/encode.hpp"
 #include "tetfmt/traverse.hpp"
@@ -97,6 +98,49 @@ TEST(Tile, EqualsFirstHitOnPictures) {
       if (HasFatalFailure()) return;
     }
   }
+}
+
+/// Rays that miss the box around the surface are not walked, and no other ray is taken for one of them: also
+/// not those that run along its faces and edges. The box of the lattice is its inner one, from 1 to n - 1.
+TEST(Tile, MissesByTheSurfacesBounds) {
+  const Mesh mesh = tetfmt_test::lattice_mesh(6);
+  const Scene plain(mesh, Layout::tet20), bounded(tetfmt_test::with_surface_bounds(mesh), Layout::tet20);
+  ASSERT_EQ(bounded.view.surface_bounds().lower, (Vec3f{1, 1, 1}));
+  std::mt19937 random(9);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  int hits = 0, misses = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto one = [&] { return static_cast<float>(below(41) - 14) / 2; };
+    const Vec3f eye = {one(), one(), one()};
+    const Location from = locate(plain.view, eye);
+    std::vector<Vec3f> directions;
+    while (directions.size() < kTileRays) {
+      const auto at = [&] {
+        return static_cast<float>(i % 3 == 0 ? below(7) : below(13)) / (i % 3 == 0 ? 1 : 2);
+      };
+      const Vec3f d = {at() - eye.x, at() - eye.y, at() - eye.z};
+      if (d != Vec3f{}) directions.push_back(d);
+    }
+    for (const auto& kind : tile_targets()) {
+      std::vector<Hit> together(directions.size());
+      kind.unchecked.first_hits(bounded.view, from, directions, together);
+      for (std::size_t k = 0; k < directions.size(); ++k) {
+        SCOPED_TRACE(kind.name);
+        expect_same(together[k], first_hit(plain.trusted, from, directions[k]));
+        if (HasFatalFailure()) return;
+        ++(together[k].outcome == Outcome::hit ? hits : misses);
+      }
+    }
+    for (const Vec3f& d : directions)
+      ASSERT_EQ(first_hit(bounded.trusted, from, d).side, first_hit(plain.trusted, from, d).side);
+  }
+  EXPECT_GT(hits, 1000);
+  EXPECT_GT(misses, 1000);
+  // One that passes beside the box, through the mesh, costs nothing.
+  const Location from = locate(bounded.view, {0.5f, 0.5f, -3});
+  std::vector<Hit> together(kTileRays);
+  EXPECT_EQ(first_hits(bounded.trusted, from, std::vector<Vec3f>(kTileRays, Vec3f{0, 0, 1}), together), 0u);
+  EXPECT_GT(first_hits(plain.trusted, from, std::vector<Vec3f>(kTileRays, Vec3f{0, 0, 1}), together), 0u);
 }
 
 TEST(Tile, StartsOnBothSidesOfFaces) {

@@ -160,4 +160,15 @@ inline tetfmt::Mesh joined(tetfmt::Mesh mesh, const tetfmt::Mesh& other, float s
   return mesh;
 }
 
+/// The same with the box around its triangles (BNDS), by which rays may be told to miss.
+inline tetfmt::Mesh with_surface_bounds(tetfmt::Mesh mesh) {
+  tetfmt::Bounds bounds;
+  for (const tetfmt::Triangle& triangle : mesh.triangles)
+    for (const tetfmt::Index id : triangle.vertices)
+      if (!triangle.dropped()) bounds.add(mesh.vertices[id]);
+  mesh.optional.push_back(optional_section(tetfmt::kSurfaceBounds, sizeof(tetfmt::SurfaceBounds),
+                                           std::vector<tetfmt::SurfaceBounds>{{bounds.lower, bounds.upper}}));
+  return mesh;
+}
+
 }  // namespace tetfmt_test

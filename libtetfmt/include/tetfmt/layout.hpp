@@ -78,9 +78,10 @@ inline constexpr SectionKind kSides = section_kind("SIDE");
 inline constexpr SectionKind kTriangles = section_kind("TRIA");
 inline constexpr SectionKind kHullFaces = section_kind("HULL");
 // Optional sections: a reader that knows none of them still finds every hit.
-inline constexpr SectionKind kMetadata = section_kind("META");  ///< UTF-8 JSON
-inline constexpr SectionKind kRegions = section_kind("REGN");   ///< Region
-inline constexpr SectionKind kOrigins = section_kind("ORIG");   ///< Index: input triangle, of each triangle
+inline constexpr SectionKind kMetadata = section_kind("META");       ///< UTF-8 JSON
+inline constexpr SectionKind kRegions = section_kind("REGN");        ///< Region
+inline constexpr SectionKind kSurfaceBounds = section_kind("BNDS");  ///< SurfaceBounds, one
+inline constexpr SectionKind kOrigins = section_kind("ORIG");  ///< Index: input triangle, of each triangle
 inline constexpr SectionKind kInputTriangles =
     section_kind("SURF");                                        ///< Triangle: the input's, with ORIG only
 inline constexpr SectionKind kTexts = section_kind("TEXT");      ///< zero-terminated UTF-8 strings
@@ -177,6 +178,12 @@ struct Region {
   Vec3f lower, upper;  ///< bounds of its vertices, local coordinates
 };
 static_assert(sizeof(Region) == 48);
+
+/// The box around all triangles: a ray that misses it meets nothing.
+struct SurfaceBounds {
+  Vec3f lower, upper;  ///< local coordinates
+};
+static_assert(sizeof(SurfaceBounds) == 24);
 
 /// Offset of a zero-terminated string in TEXT; kNone: no text.
 using TextRef = std::uint32_t;

@@ -58,6 +58,9 @@ class FileView {
   /// The box around the hull's vertices (of a partial file, its regions): around everything, if the file is
   /// valid. O(1).
   const Bounds& bounds() const { return bounds_; }
+  /// A box that holds every constrained face, if the file is valid: the surface's own, where the file tells
+  /// it (BNDS), else bounds(). O(1).
+  const Bounds& surface_bounds() const { return surface_bounds_; }
   /// Materials that sides may name: the MATL section's count, or 1 (a default) without one.
   std::uint64_t material_count() const;
 
@@ -75,7 +78,7 @@ class FileView {
   std::span<const Triangle> input_triangles_;
   std::span<const Index> origins_;
   std::span<const Region> regions_;
-  Bounds bounds_;
+  Bounds bounds_, surface_bounds_;
 };
 
 }  // namespace tetfmt
