@@ -159,7 +159,7 @@ TEST_F(TraceTest, GlassNeedsTheSpaceInside) {
     open.light({3.1, 3.2, 5}, {0, 0, -1});
     FAIL() << "the inside was left out";
   } catch (const Failure& failure) {
-    EXPECT_EQ(failure.code(), ExitCode::usage);
+    EXPECT_EQ(failure.code(), ExitCode::invalid);
     EXPECT_NE(std::string(failure.what()).find("--keep all"), std::string::npos);
   }
   // What is opaque does not mind.

@@ -83,21 +83,24 @@ struct OpenScene {
   tetprep::Rays rays;
 
   explicit OpenScene(const tetprep::SceneDescription& description)
-      : scene(tetprep::open_scene(description, true)), rays(scene, tetfmt::Kernel::exact) {
+      : scene(tetprep::open_scene(description, true)), rays(scene, tetprep::Walks::together) {
     camera.forward = {0, 0, -1};
     camera.right = {1, 0, 0};
     camera.up = {0, 1, 0};
   }
   /// The mean of `samples` samples.
-  Rgb light(Vec3 eye, Vec3 direction, int samples = 1) {
+  Rgb light(Vec3 eye, Vec3 direction, std::size_t samples = 1) {
     const auto located = tetprep::locate_everywhere(scene, eye, "the eye", "");
+    const std::vector<tetfmt::Vec3f> directions(samples, tetprep::rounded(direction));
+    std::vector<tetprep::SceneHit> hits(samples);
+    rays.first_hits(located, directions, hits);
+    std::vector<tetprep::Sample> seen;
+    for (std::size_t s = 0; s < samples; ++s)
+      seen.push_back({directions[s], hits[s], tetprep::Dice(7, s), {}});
+    tetprep::Integrator(scene, camera, rays).add_light(seen);
     Rgb sum;
-    for (int s = 0; s < samples; ++s) {
-      const tetprep::Dice dice(7, static_cast<std::uint64_t>(s));
-      tetprep::Integrator integrator(scene, camera, rays, dice);
-      sum = sum + integrator.seen_from({eye, located, 0, {}}, tetprep::rounded(direction));
-    }
-    return (1.0 / samples) * sum;
+    for (const tetprep::Sample& sample : seen) sum = sum + sample.light;
+    return (1.0 / static_cast<double>(samples)) * sum;
   }
   std::uint64_t count(tetprep::RayKind kind) const {
     return rays.counts().rays[static_cast<std::size_t>(kind)];

@@ -46,7 +46,11 @@ constexpr const char* kTraceFooter =
     "A summary goes to standard error: rays of each kind, seconds, nanoseconds of a thread's time a ray, "
     "share of "
     "camera\n"
-    "rays that hit, tetrahedra visited a ray and at most, and how much of the files the picture needed.\n"
+    "rays that hit, tetrahedra visited a camera ray (one that several rays are in together counts once; with "
+    "--shade\n"
+    "steps or --kernel float rays are walked one by one, and the most is told as well), and how much of the "
+    "files the\n"
+    "picture needed.\n"
     "\n"
     "Of tet files only the structure is checked, which takes no time: `tet validate` proves a file.\n"
     "\n"
@@ -71,7 +75,7 @@ struct TraceOptions {
   std::optional<std::array<int, 2>> size;
   std::optional<int> samples;
   std::optional<Shade> shade;
-  tetfmt::Kernel kernel = tetfmt::Kernel::exact;
+  Walks walks = Walks::together;
   int threads = 0;
 };
 
@@ -96,16 +100,19 @@ void print_summary(const std::string& output, const Rendering& rendering, const 
   const auto count = [](std::uint64_t n) { return static_cast<double>(n); };
   const auto camera_rays = s.counts.rays[static_cast<std::size_t>(RayKind::camera)];
   std::array<char, 512> text;
-  std::snprintf(
-      text.data(), text.size(),
-      ": %d x %d pixels; %llu rays (%s) in %.3f s on %d thread%s, %.0f ns of a thread a ray; %.1f %% hit; "
-      "%.1f tets a ray, at most %u; read at most %.2f of %.2f MB",
-      rendering.image.width, rendering.image.height, static_cast<unsigned long long>(s.counts.total()),
-      ray_list(s.counts).c_str(), s.seconds, s.threads, s.threads == 1 ? "" : "s",
-      1e9 * s.seconds * s.threads / count(s.counts.total()), 100 * count(s.counts.hits) / count(camera_rays),
-      count(s.counts.steps) / count(s.counts.walks), s.counts.most_steps,
-      1e-6 * count(scene.readable_bytes()), 1e-6 * count(scene.file_bytes()));
+  std::snprintf(text.data(), text.size(),
+                ": %d x %d pixels; %llu rays (%s) in %.3f s on %d thread%s, %.0f ns of a thread a ray; %.1f "
+                "%% hit; %.1f tets visited a camera ray",
+                rendering.image.width, rendering.image.height,
+                static_cast<unsigned long long>(s.counts.total()), ray_list(s.counts).c_str(), s.seconds,
+                s.threads, s.threads == 1 ? "" : "s", 1e9 * s.seconds * s.threads / count(s.counts.total()),
+                100 * count(s.counts.hits) / count(camera_rays), count(s.counts.visits) / count(camera_rays));
   std::string line = output + text.data();
+  line += rendering.statistics.walks == Walks::together ? ", walked together"
+                                                        : ", at most " + std::to_string(s.counts.most_steps);
+  std::snprintf(text.data(), text.size(), "; read at most %.2f of %.2f MB",
+                1e-6 * count(scene.readable_bytes()), 1e-6 * count(scene.file_bytes()));
+  line += text.data();
   if (s.counts.lost > 0) line += "; " + std::to_string(s.counts.lost) + " rays lost by the float kernel";
   std::cerr << "tet trace: " << one_line(line) << '\n';
 }
@@ -125,7 +132,9 @@ int run_trace(const TraceOptions& options) {
   if (const auto samples = options.samples ? options.samples : description.samples)
     render_options.samples = *samples;
   render_options.shade = options.shade.value_or(is_scene ? Shade::scene : Shade::lambert);
-  render_options.kernel = options.kernel;
+  render_options.walks = options.walks;
+  if (render_options.shade == Shade::steps && options.walks == Walks::together)
+    render_options.walks = Walks::one_by_one;
   render_options.threads = options.threads;
 
   const Scene scene = open_scene(description, render_options.shade == Shade::scene);
@@ -255,19 +264,20 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
           "lambert: a clay model under two lights, both sides of the surface alike\n"
           "normal:  the input triangle's unit normal n as (n + 1) / 2\n"
           "depth:   distance along the view axis, near bright\n"
-          "steps:   tetrahedra visited, dark blue (none) to yellow (the most of a pixel)")
+          "steps:   tetrahedra visited, dark blue (none) to yellow (the most of a pixel); rays are walked "
+          "one by "
+          "one")
       ->check(one_of({"scene", "lambert", "normal", "depth", "steps"}))
       ->type_name("SHADE");
   verb->add_option("--samples", options->samples,
                    "Camera rays a pixel, on a regular grid [the scene's, or 4]")
       ->check(CLI::Range(1, kMaxSamples))
       ->type_name("N");
-  add_choice<tetfmt::Kernel>(*verb, "--kernel", options->kernel,
-                             {{"exact", tetfmt::Kernel::exact}, {"float", tetfmt::Kernel::float_only}},
-                             "How the signs that steer a ray are computed: exact; or float, which can go "
-                             "wrong where rays meet edges, "
-                             "for\n"
-                             "comparison (shadow rays to point lights stay exact) [exact]")
+  add_choice<Walks>(*verb, "--kernel", options->walks,
+                    {{"exact", Walks::together}, {"float", Walks::float_signs}},
+                    "How the signs that steer a ray are computed: exact; or float, which can go wrong where "
+                    "rays meet\n"
+                    "edges, and takes rays one by one, for comparison [exact]")
       ->type_name("KERNEL");
   verb->add_option("--threads", options->threads,
                    "Threads to use [all]; the picture is the same for any number")

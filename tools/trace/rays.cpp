@@ -43,98 +43,129 @@ std::uint64_t RayCounts::total() const {
 void RayCounts::add(const RayCounts& other) {
   for (std::size_t i = 0; i < rays.size(); ++i) rays[i] += other.rays[i];
   hits += other.hits;
-  walks += other.walks;
-  steps += other.steps;
+  visits += other.visits;
   lost += other.lost;
   most_steps = std::max(most_steps, other.most_steps);
 }
 
 bool Rays::is_hit(Outcome outcome, const Part& part) {
   if (outcome == Outcome::corrupt) {
-    if (kernel_ == tetfmt::Kernel::exact) fail_corrupt(part);
+    if (walks_ != Walks::float_signs) fail_corrupt(part);
     ++counts_.lost;
   }
   return outcome == Outcome::hit;
 }
 
-template <class TMax, class Walk>
-void Rays::each_part(const Place& from, Vec3 direction, TMax t_max, Walk walk) const {
+void Rays::first_hits(std::span<const tetfmt::Location> eye, std::span<const tetfmt::Vec3f> directions,
+                      std::span<SceneHit> hits) {
+  batch_.hits.resize(directions.size());
+  std::fill(hits.begin(), hits.end(), SceneHit{});
   for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
     const Part& part = *scene_.parts[i];
-    if (!from.everywhere.empty()) {
-      if (!walk(i, from.everywhere[i])) return;
-    } else if (i == from.part) {
-      if (!walk(i, from.own)) return;
-    } else {
-      const Vec3 local = part.local(from.position);
-      if (!may_meet(part.view().bounds(), local, direction, t_max())) continue;
-      const tetfmt::Location location = tetfmt::locate(part.view(), rounded(local));
-      if (location.state == tetfmt::Location::State::corrupt) fail_corrupt(part);
-      if (!walk(i, location)) return;
+    counts_.visits += tetprep::first_hits(walks_, part.view(), eye[i], directions, batch_.hits);
+    for (std::size_t k = 0; k < hits.size(); ++k) {
+      const tetfmt::Hit& found = batch_.hits[k];
+      const std::uint32_t steps = hits[k].hit.steps + found.steps;
+      if (is_hit(found.outcome, part) && (!hits[k] || found.t < hits[k].hit.t)) hits[k] = {found, i};
+      hits[k].hit.steps = steps;
+    }
+  }
+  counts_.rays[static_cast<std::size_t>(RayKind::camera)] += hits.size();
+  for (const SceneHit& hit : hits) {
+    counts_.hits += static_cast<bool>(hit);
+    counts_.most_steps = std::max(counts_.most_steps, hit.hit.steps);
+  }
+}
+
+void Rays::begin(std::span<const SceneRay> rays) {
+  reach_.clear();
+  for (const SceneRay& ray : rays) {
+    ++counts_.rays[static_cast<std::size_t>(ray.kind)];
+    reach_.push_back(ray.t_max);
+  }
+}
+
+void Rays::gather(std::size_t part, std::span<const Place> places, std::span<const SceneRay> rays) {
+  const Part& here = *scene_.parts[part];
+  batch_.places.clear(), batch_.rays.clear(), batch_.numbers.clear();
+  std::optional<std::uint32_t> last;  // rays of one place follow each other, and share it here as well
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    const SceneRay& ray = rays[k];
+    const Place& place = places[ray.from];
+    const Vec3 local = here.local(place.position);
+    const bool meets =
+        place.part == part || may_meet(here.view().bounds(), local, vec3(ray.direction), reach_[k]);
+    if (reach_[k] < 0 || !meets) continue;
+    if (last != ray.from) {
+      batch_.places.push_back(place.part == part ? place.location
+                                                 : tetfmt::locate(here.view(), rounded(local)));
+      if (batch_.places.back().state == tetfmt::Location::State::corrupt) fail_corrupt(here);
+      last = ray.from;
+    }
+    batch_.rays.push_back(
+        {static_cast<std::uint32_t>(batch_.places.size() - 1), ray.direction, {0, reach_[k]}});
+    batch_.numbers.push_back(k);
+  }
+}
+
+void Rays::first_hits(std::span<const Place> places, std::span<const SceneRay> rays,
+                      std::span<SceneHit> hits) {
+  begin(rays);
+  std::fill(hits.begin(), hits.end(), SceneHit{});
+  for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
+    const Part& part = *scene_.parts[i];
+    gather(i, places, rays);
+    batch_.hits.resize(batch_.rays.size());
+    tetprep::first_hits(walks_, part.view(), batch_.places, batch_.rays, batch_.hits);
+    for (std::size_t k = 0; k < batch_.rays.size(); ++k) {
+      const tetfmt::Hit& found = batch_.hits[k];
+      SceneHit& nearest = hits[batch_.numbers[k]];
+      if (!is_hit(found.outcome, part) || (nearest && found.t >= nearest.hit.t)) continue;
+      nearest = {found, i};
+      reach_[batch_.numbers[k]] = found.t;
     }
   }
 }
 
-SceneHit Rays::first_hit(RayKind kind, const Place& from, tetfmt::Vec3f direction, double t_max) {
-  ++counts_.rays[static_cast<std::size_t>(kind)];
-  SceneHit nearest;
-  double limit = t_max;
-  std::uint32_t steps = 0;
-  each_part(
-      from, vec3(direction), [&] { return limit; },
-      [&](std::size_t i, const tetfmt::Location& location) {
-        const Part& part = *scene_.parts[i];
-        const tetfmt::Hit hit = tetfmt::first_hit(part.view(), location, direction, {0, limit}, kernel_);
-        steps += hit.steps;
-        if (is_hit(hit.outcome, part) && (!nearest || hit.t < nearest.hit.t)) {
-          nearest = {hit, i};
-          limit = std::min(limit, hit.t);
-        }
-        return true;
-      });
-  nearest.hit.steps = steps;
-  ++counts_.walks;
-  counts_.steps += steps;
-  counts_.most_steps = std::max(counts_.most_steps, steps);
-  if (kind == RayKind::camera) counts_.hits += static_cast<bool>(nearest);
-  return nearest;
+template <class Ask>
+void Rays::each_part_obstacles(std::span<const Place> places, std::span<const SceneRay> rays,
+                               std::span<Outcome> outcomes, Ask ask) {
+  begin(rays);
+  std::fill(outcomes.begin(), outcomes.end(), Outcome::miss);
+  for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
+    gather(i, places, rays);
+    batch_.outcomes.resize(batch_.rays.size());
+    ask(i);
+    for (std::size_t k = 0; k < batch_.rays.size(); ++k) {
+      if (!is_hit(batch_.outcomes[k], *scene_.parts[i])) continue;
+      outcomes[batch_.numbers[k]] = Outcome::hit;
+      reach_[batch_.numbers[k]] = -1;
+    }
+  }
 }
 
-bool Rays::blocked(RayKind kind, const Place& from, tetfmt::Vec3f direction, double t_max) {
-  if (kernel_ != tetfmt::Kernel::exact) return static_cast<bool>(first_hit(kind, from, direction, t_max));
-  ++counts_.rays[static_cast<std::size_t>(kind)];
-  bool blocked = false;
-  each_part(
-      from, vec3(direction), [&] { return t_max; },
-      [&](std::size_t i, const tetfmt::Location& location) {
-        const Part& part = *scene_.parts[i];
-        blocked = is_hit(tetfmt::occlusion(part.view(), location, direction, {0, t_max}), part);
-        return !blocked;
-      });
-  return blocked;
+void Rays::obstacles(std::span<const Place> places, std::span<const SceneRay> rays,
+                     std::span<Outcome> outcomes) {
+  each_part_obstacles(places, rays, outcomes, [&](std::size_t i) {
+    occlusions(walks_, scene_.parts[i]->view(), batch_.places, batch_.rays, batch_.outcomes);
+  });
 }
 
-bool Rays::blocked(const Place& from, const LocatedLight& light) {
-  ++counts_.rays[static_cast<std::size_t>(RayKind::shadow)];
-  bool blocked = false;
-  each_part(
-      from, light.position - from.position, [] { return 1.0; },
-      [&](std::size_t i, const tetfmt::Location& location) {
-        const Part& part = *scene_.parts[i];
-        blocked = is_hit(tetfmt::occlusion(part.view(), location, light.locations[i]), part);
-        return !blocked;
-      });
-  return blocked;
+void Rays::obstacles(std::span<const Place> places, std::span<const SceneRay> rays, const LocatedLight& light,
+                     std::span<Outcome> outcomes) {
+  each_part_obstacles(places, rays, outcomes, [&](std::size_t i) {
+    occlusions(walks_, scene_.parts[i]->view(), batch_.places, light.locations[i], batch_.outcomes);
+  });
 }
 
 Place Rays::side(const SceneHit& hit, const tetfmt::Location& location) const {
   const Part& part = *scene_.parts[hit.part];
   if (location.state == tetfmt::Location::State::corrupt) fail_corrupt(part);
   if (location.state == tetfmt::Location::State::absent)
-    throw Failure(ExitCode::usage, part.file.path() +
-                                       ": a ray goes on into space that the file leaves out (glass needs its "
-                                       "inside); convert with --keep all");
-  return {vec3(location.position) + part.offset, {}, hit.part, location};
+    throw Failure(ExitCode::invalid, part.file.path() +
+                                         ": a ray goes on into space that the file leaves out (glass needs "
+                                         "its inside); convert with --keep all");
+  return {vec3(location.position) + part.offset, hit.part, location};
 }
 
 Place Rays::near_side(const SceneHit& hit) const {

@@ -14,8 +14,8 @@ struct RenderOptions {
   int width = 1024, height = 1024;
   int samples =
       4;  ///< rays a pixel, on a regular grid: a square number, or any other as a grid as square as possible
-  Shade shade = Shade::lambert;
-  tetfmt::Kernel kernel = tetfmt::Kernel::exact;
+  Shade shade = Shade::lambert;  ///< Shade::steps needs rays that are not walked together
+  Walks walks = Walks::together;
   int threads = 0;  ///< 0: all
 };
 
@@ -23,6 +23,7 @@ struct RenderStatistics {
   RayCounts counts;
   double seconds = 0;  ///< of the tracing, shading included; without opening, developing and writing
   int threads = 0;
+  Walks walks = Walks::together;
 };
 
 struct Rendering {

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+// Rays that are walked together make the same pictures, to the last bit, as rays that are walked one by one.
+#include "trace/trace_support.hpp"
+
+namespace tetfmt_test {
+namespace {
+
+using namespace tetprep;
+
+/// Four boxes: a scene has any of them, as a file each. The first is glass, the last a lamp.
+FileEntry box(int which) {
+  MaterialChange change;
+  change.color = Rgb{0.8, 0.6, 0.4};
+  if (which == 0) {
+    change.finish = Finish::glass;
+    change.ior = 1.4;
+    change.absorption = Rgb{0.5, 0, 0.1};
+  }
+  if (which == 1) change.finish = Finish::mirror;
+  if (which == 3) change.emission = Rgb{5, 4, 3};
+  const std::array<Vec3, 4> places{Vec3{0, 0, 0}, Vec3{-3, 0.25, 0}, Vec3{0.5, -3, 0}, Vec3{3, 4, 2}};
+  return entry("box.tet", change, places[static_cast<std::size_t>(which)]);
+}
+
+SceneDescription scene_of_boxes(const std::vector<int>& boxes) {
+  SceneDescription description;
+  for (const int which : boxes) description.files.push_back(box(which));
+  description.camera.eye = Vec3{10, 6, 15};
+  description.camera.look_at = Vec3{2, 2, 3};
+  description.background = {{0.1, 0.1, 0.1}, {0.8, 0.9, 1}};
+  return description;
+}
+
+Rendering picture(const SceneDescription& description, RenderOptions options) {
+  const Scene scene = open_scene(description, options.shade == Shade::scene);
+  Progress silent;
+  const double aspect = static_cast<double>(options.width) / options.height;
+  return render(scene, make_camera(description.camera, scene, aspect), options, silent);
+}
+
+void expect_same(const Rendering& a, const Rendering& b, const std::string& what) {
+  ASSERT_EQ(a.image.pixels.size(), b.image.pixels.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < a.image.pixels.size(); ++i) {
+    const Rgb &p = a.image.pixels[i], &q = b.image.pixels[i];
+    different += p.r != q.r || p.g != q.g || p.b != q.b;
+  }
+  EXPECT_EQ(different, 0u) << what;
+  EXPECT_EQ(a.statistics.counts.rays, b.statistics.counts.rays) << what;
+  EXPECT_EQ(a.statistics.counts.hits, b.statistics.counts.hits) << what;
+}
+
+class TogetherTest : public TraceTest {
+ protected:
+  void SetUp() override {
+    TraceTest::SetUp();
+    write("box.tet", walls_mesh(kBox));
+  }
+  /// `samples` that fit squares of 16 and ones that do not; a picture whose last tiles are partial.
+  static void compare(const SceneDescription& description, Shade shade, std::vector<int> samples) {
+    for (const int count : samples) {
+      RenderOptions options;
+      options.width = 45;
+      options.height = 35;
+      options.samples = count;
+      options.shade = shade;
+      options.walks = Walks::one_by_one;
+      options.threads = 1;
+      const Rendering alone = picture(description, options);
+      EXPECT_GT(alone.statistics.counts.most_steps, 0u);
+      options.walks = Walks::together;
+      for (const int threads : {1, 2}) {
+        options.threads = threads;
+        const Rendering together = picture(description, options);
+        expect_same(alone, together, std::to_string(count) + " samples");
+        EXPECT_LT(2 * together.statistics.counts.visits, alone.statistics.counts.visits);
+        EXPECT_EQ(together.statistics.counts.most_steps, 0u);
+      }
+    }
+  }
+};
+
+TEST_F(TogetherTest, CameraRays) {
+  for (const Shade shade : {Shade::lambert, Shade::normal, Shade::depth})
+    compare(scene_of_boxes({2}), shade, {1, 4, 5, 9});
+  compare(scene_of_boxes({0, 1, 2, 3}), Shade::lambert, {4, 9});
+}
+
+TEST_F(TogetherTest, PointLightsAndAmbientOcclusion) {
+  for (const auto& boxes : {std::vector<int>{2}, {1, 2}, {2, 1}}) {
+    SceneDescription description = scene_of_boxes(boxes);
+    description.point_lights = {{{9, 9, 9}, {150, 150, 100}}, {{3, 3, 7}, {10, 10, 30}}};
+    compare(description, Shade::scene, {1, 9});
+    description.ambient = AmbientOcclusion{4, 3};
+    compare(description, Shade::scene, {1, 4});
+  }
+}
+
+TEST_F(TogetherTest, MeshLights) {
+  SceneDescription description = scene_of_boxes({2, 3, 1});
+  description.light_samples = 2;
+  compare(description, Shade::scene, {1, 4});
+}
+
+TEST_F(TogetherTest, GlassAndAllKindsOfLight) {
+  SceneDescription description = scene_of_boxes({0, 1, 2, 3});
+  compare(description, Shade::scene, {4});
+  description.point_lights = {{{9, 9, 9}, {150, 150, 100}}};
+  description.ambient = AmbientOcclusion{4, 2};
+  compare(description, Shade::scene, {1, 6});
+}
+
+TEST_F(TogetherTest, AFullQueueIsAnsweredInBetween) {
+  // 1024 samples and more a bundle, 64 questions a hit.
+  SceneDescription description = scene_of_boxes({2});
+  description.ambient = AmbientOcclusion{4, 64};
+  compare(description, Shade::scene, {4});
+}
+
+TEST_F(TogetherTest, FloatSignsReachShadowRaysToo) {
+  SceneDescription description = scene_of_boxes({1, 2, 3});
+  description.point_lights = {{{9.1, 9.2, 9.3}, {150, 150, 100}}};
+  description.ambient = AmbientOcclusion{4, 1};
+  RenderOptions options;
+  options.width = options.height = 32;
+  options.samples = 1;
+  options.shade = Shade::scene;
+  const Rendering exact = picture(description, options);
+  options.walks = Walks::float_signs;
+  const Rendering floats = picture(description, options);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < exact.image.pixels.size(); ++i)
+    different += std::abs(exact.image.pixels[i].g - floats.image.pixels[i].g) > 1e-3;
+  EXPECT_LT(different, exact.image.pixels.size() / 50);
+  const auto shadow = static_cast<std::size_t>(RayKind::shadow);
+  EXPECT_GT(floats.statistics.counts.rays[shadow], 100u);
+}
+
+}  // namespace
+}  // namespace tetfmt_test
