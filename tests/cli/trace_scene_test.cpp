@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "cli/cli_support.hpp"
+#include "support/region_mesh.hpp"
 
 namespace tetfmt_test {
 namespace {
@@ -39,10 +40,10 @@ TEST_F(CliTest, ScenesAreTheSameForAnyNumberOfThreads) {
     std::string expected;
     for (const std::string threads : {"1", "2", "3"}) {
       const RunResult result = trace_scene({"--threads", threads}, output);
-      EXPECT_TRUE(
-          is_one_line(result.err, "tet trace",
-                      {output, "32 x 24", "3072 camera", "shadow", "light", "reflection", "refraction",
-                       "ambient occlusion", "ns of a thread a ray", "% hit", "read at most"}));
+      EXPECT_TRUE(is_one_line(result.err, "tet trace",
+                              {output, "32 x 24", "3072 camera", "shadow", "light", "reflection",
+                               "refraction", "ambient occlusion", "ns of a thread a ray", "% hit",
+                               "tets visited a camera ray, walked together", "read at most"}));
       const std::string bytes = read_bytes(output);
       if (expected.empty()) expected = bytes;
       EXPECT_EQ(bytes, expected) << threads;
@@ -104,11 +105,18 @@ TEST_F(CliTest, MistakesInScenesAreOneLineAndLeaveNothing) {
       {R"({"files": [{"path": "box.tet", "materials": {"x": {}}}]})",
        3,
        {"$.files[0].materials.x", "no material 'x'"}},
-      {R"({"files": [{"path": "box.tet", "material": {"texture": "no.png"}}]})", 2, {"no.png"}},
-      {R"({"files": ["box.tet"], "camera": {"eye": [1, 2, 3], "look_at": [1, 2, 3]}})", 1, {"same point"}},
+      {R"({"files": [{"path": "box.tet", "material": {"texture": "no.png"}}]})",
+       2,
+       {"scene.json: $.files[0].material.texture", "no.png"}},
+      {R"({"files": [{"path": "box.tet", "material": {"texture": "box.tet"}}]})",
+       3,
+       {"scene.json: $.files[0].material.texture", "box.tet", "PNG"}},
+      {R"({"files": ["box.tet"], "camera": {"eye": [1, 2, 3], "look_at": [1, 2, 3]}})",
+       3,
+       {"scene.json: $.camera", "same point"}},
       {R"({"files": ["box.tet"], "camera": {"eye": [1, 2, 3], "look_at": [1, 3, 3], "up": [0, 1, 0]}})",
-       1,
-       {"parallel"}},
+       3,
+       {"scene.json: $.camera", "parallel"}},
       {std::string(1 << 16, '['), 3, {"scene.json", "deeper"}},
   };
   for (const auto& [text, code, parts] : mistakes) {
@@ -118,6 +126,31 @@ TEST_F(CliTest, MistakesInScenesAreOneLineAndLeaveNothing) {
     EXPECT_TRUE(is_one_line(result.err, "tet trace", parts)) << text.substr(0, 100);
     EXPECT_EQ(listing(), (std::vector<std::string>{"box.tet", "scene.json"}));
   }
+}
+
+TEST_F(CliTest, WhatIsInLeftOutSpaceIsTheFaultOfWhoPutItThere) {
+  write_mesh("box.tet", with_regions(box_mesh(), {0}));  // the inside is left out
+  const auto refused = [this](const std::string& scene, const std::vector<std::string>& more, int code,
+                              const std::vector<std::string>& parts) {
+    write_bytes("scene.json", scene);
+    std::vector<std::string> arguments{"trace", "scene.json", "-o", "out.png", "--size", "9x9"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const RunResult result = tet(arguments);
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    EXPECT_TRUE(is_one_line(result.err, "tet trace", parts)) << result.err;
+    EXPECT_EQ(listing(), (std::vector<std::string>{"box.tet", "scene.json"}));
+  };
+  const std::string inside = "[12.9, 23.1, 33]";
+  refused(R"({"files": ["box.tet"], "camera": {"eye": )" + inside + "}}", {}, 3,
+          {"scene.json: $.camera", "leaves out", "--keep all"});
+  refused(R"({"files": ["box.tet"], "camera": {"eye": [20, 26, 45]}})", {"--eye", "12.9,23.1,33"}, 1,
+          {"leaves out", "--eye", "--keep all"});
+  refused(R"({"files": ["box.tet"], "point_lights": [{"position": [20, 26, 45], "intensity": 1},)"
+          R"( {"position": )" +
+              inside + R"(, "intensity": 1}]})",
+          {}, 3, {"scene.json: $.point_lights[1]", "the light", "leaves out", "--keep all"});
+  refused(R"({"files": [{"path": "box.tet", "material": {"type": "glass"}}]})", {}, 3,
+          {"box.tet", "leaves out", "--keep all"});
 }
 
 TEST_F(CliTest, ScenesOfHugeAndTinyNumbersEnd) {

@@ -177,6 +177,41 @@ TEST_F(CliTest, TraceStepsRunFromPurpleToYellow) {
   EXPECT_EQ(colours.count({253, 231, 37}), 1u);  // the most
 }
 
+TEST_F(CliTest, TraceTellsHowRaysWereWalked) {
+  write_mesh("box.tet", box_mesh());
+  const auto summary = [](const std::vector<std::string>& more) {
+    return tet(with(with({"trace", "box.tet", "-o", "out.png"}, kFront), more)).err;
+  };
+  const auto visits = [](const std::string& line) {
+    const auto end = line.find(" tets visited a camera ray");
+    return std::stod(line.substr(line.rfind(' ', end - 1)));
+  };
+  const std::string together = summary({}), steps = summary({"--shade", "steps"}),
+                    floats = summary({"--kernel", "float"});
+  EXPECT_NE(together.find("a camera ray, walked together;"), std::string::npos) << together;
+  for (const std::string& alone : {steps, floats}) {
+    EXPECT_NE(alone.find("a camera ray, at most "), std::string::npos) << alone;
+    EXPECT_EQ(alone.find("together"), std::string::npos) << alone;
+    EXPECT_LT(2 * visits(together), visits(alone));
+  }
+}
+
+TEST_F(CliTest, TraceWritesPicturesByTheirNames) {
+  write_mesh("box.tet", box_mesh());
+  for (const auto& [name, magic] : std::vector<std::pair<std::string, std::string>>{
+           {"a.png", "\x89PNG"}, {"a.PNG", "\x89PNG"}, {"a", "\x89PNG"}, {"a.exr", "\x76\x2f\x31\x01"}}) {
+    EXPECT_EQ(tet({"trace", "box.tet", "-o", name, "--size", "8x8"}).exit_code, 0);
+    EXPECT_EQ(read_bytes(name).substr(0, 4), magic);
+    std::filesystem::remove(name);
+  }
+  for (const std::string name : {"a.jpg", "a.png.txt", "b.exr/../a.tif"}) {
+    const RunResult result = tet({"trace", "box.tet", "-o", name, "--size", "8x8"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_TRUE(is_one_line(result.err, "tet trace", {name, ".png", ".exr"})) << result.err;
+  }
+  EXPECT_EQ(listing(), std::vector<std::string>{"box.tet"});
+}
+
 TEST_F(CliTest, TraceSamplesSmoothEdges) {
   write_mesh("box.tet", box_mesh());
   const std::vector<std::string> view = {"--size",   "60x40", "--eye",   "13.3,23.2,50", "--look-at",

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -44,20 +45,23 @@ constexpr const char* kTraceFooter =
     "spec/scene.schema.json has all.\n"
     "\n"
     "A summary goes to standard error: rays of each kind, seconds, nanoseconds of a thread's time a ray, "
-    "share of "
-    "camera\n"
-    "rays that hit, tetrahedra visited a camera ray (one that several rays are in together counts once; with "
-    "--shade\n"
-    "steps or --kernel float rays are walked one by one, and the most is told as well), and how much of the "
-    "files the\n"
-    "picture needed.\n"
+    "share of camera\n"
+    "rays that hit, tetrahedra visited a camera ray, and how much of the files the picture needed. Rays are "
+    "walked together,\n"
+    "and a tetrahedron counts once for all that are in it; with --shade steps or --kernel float each is "
+    "walked alone, and the\n"
+    "most that one visited is told as well.\n"
     "\n"
     "Of tet files only the structure is checked, which takes no time: `tet validate` proves a file.\n"
     "\n"
     "Exit codes: 0 done; 1 usage; 2 a file cannot be read or written; 3 a broken tet file or scene; 5 a kind "
-    "of "
-    "file\n"
-    "that this version does not know. On failure nothing is left at OUT.png.\n"
+    "of file\n"
+    "that this version does not know. Where the camera is in space that a file leaves out (convert "
+    "--keep), or has no view\n"
+    "direction: 3 if the scene file places it, 1 if options do or nobody does; for lights and rays into "
+    "glass, 3. "
+    "On failure\n"
+    "nothing is left at OUT.png.\n"
     "\n"
     "Examples:\n"
     "  tet trace bunny.tet -o bunny.png\n"
@@ -83,6 +87,16 @@ bool ends_with_ignoring_case(const std::string& text, std::string_view ending) {
   return text.size() >= ending.size() &&
          std::equal(ending.begin(), ending.end(), text.end() - static_cast<std::ptrdiff_t>(ending.size()),
                     [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+}
+
+/// What writes a picture of this name.
+auto writer_of(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (ends_with_ignoring_case(extension, ".exr")) return write_exr;
+  if (extension.empty() || ends_with_ignoring_case(extension, ".png")) return write_png;
+  throw Failure(ExitCode::usage, path +
+                                     ": no picture of this kind can be written; name it .png (8 bits a "
+                                     "channel, sRGB) or .exr (OpenEXR, linear float)");
 }
 
 /// "12345 camera, 678 shadow": kinds that there were.
@@ -124,7 +138,9 @@ int run_trace(const TraceOptions& options) {
   const bool is_scene = ends_with_ignoring_case(options.file, ".json");
   SceneDescription description = is_scene ? read_scene_file(options.file) : scene_of(options.file);
   for (const auto& change : options.camera) change(description.camera);
+  if (!options.camera.empty()) description.camera.where.clear();
   for (const FileEntry& entry : description.files) refuse_same_file(entry.path, options.output);
+  const auto write = writer_of(options.output);
 
   RenderOptions render_options;
   const auto size = options.size ? options.size : description.size;
@@ -148,7 +164,7 @@ int run_trace(const TraceOptions& options) {
     const Camera camera = make_camera(description.camera, scene, aspect);
     Rendering result = render(scene, camera, render_options, progress);
     progress.stage("write");
-    (ends_with_ignoring_case(options.output, ".exr") ? write_exr : write_png)(result.image, out);
+    write(result.image, out);
     return result;
   }();
   out.commit();
@@ -232,9 +248,9 @@ void add_trace_command(CLI::App& app, std::function<int()>& run) {
       "Trace a picture of the surface in a tet file, or of a scene: tet files, light and materials.");
   verb->add_option("FILE", options->file, "A tet file; or a scene, whose name ends in .json")->required();
   verb->add_option("-o,--output", options->output,
-                   "The picture to write: a PNG of 8 bits a channel, sRGB; or, if its name ends in .exr, "
-                   "OpenEXR, linear\n"
-                   "float")
+                   "The picture to write, .png (8 bits a channel, sRGB; so are names without an ending) or "
+                   ".exr (OpenEXR,\n"
+                   "linear float)")
       ->required()
       ->type_name("OUT.png");
   verb->add_option_function<std::string>(

@@ -79,15 +79,18 @@ void for_each_point(const Scene& scene, bool surface, Use use) {
 
 Camera make_camera(const CameraWish& wish, const Scene& scene, double aspect) {
   Camera camera;
+  camera.where = wish.where;
   camera.half_height = std::tan(wish.fov * kPi / 360);
   camera.half_width = aspect * camera.half_height;
+  const auto refuse = [&](const std::string& problem, const std::string& options) {
+    if (wish.where.empty()) throw Failure(ExitCode::usage, problem + " (" + options + ")");
+    throw Failure(ExitCode::invalid, wish.where + ": " + problem);
+  };
   const auto turn = [&](Vec3 forward) {
     if (!(length(forward) > 0))
-      throw Failure(ExitCode::usage,
-                    "the camera's eye and look-at are the same point; move one (--eye, --look-at)");
+      refuse("the camera's eye and look-at are the same point; move one", "--eye, --look-at");
     if (!orient(camera, forward, wish.up.value_or(kUp)) && (wish.up || !orient(camera, forward, {0, 0, 1})))
-      throw Failure(ExitCode::usage,
-                    "the camera's up (--up) is parallel to the view direction; choose another");
+      refuse("the camera's up is parallel to the view direction; choose another", "--up");
   };
   if (wish.eye && wish.look_at) {
     camera.eye = *wish.eye - scene.origin;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "trace/vector.hpp"
 
@@ -17,6 +18,7 @@ struct CameraWish {
   std::optional<Vec3> up;               ///< without: 0,1,0, or another if that is where the camera looks
   double fov = 30;                      ///< vertical opening angle in degrees, 0 to 180 exclusive
   double azimuth = 30, elevation = 18;  ///< degrees to the right of the front and above it; without an eye
+  std::string where;  ///< in the scene file, for messages; empty if the command line says any of the above
 };
 
 /// In world coordinates (Scene). right, up and forward are orthonormal.
@@ -24,6 +26,7 @@ struct Camera {
   Vec3 eye, right, up, forward;
   double half_height = 0;  ///< tangent of half the vertical opening angle
   double half_width = 0;
+  std::string where;  ///< as the wish has it
 
   /// Through the picture at (x, y), both 0 to 1 from the upper left corner. Of length 1 or more, not unit.
   Vec3 direction(double x, double y) const {
@@ -34,8 +37,9 @@ struct Camera {
 /// Fills in what `wish` leaves open. Without an eye, the surface is seen from the front, right and above (a
 /// three-quarter view, unless azimuth and elevation say otherwise) at the distance from which all of it just
 /// fits; without a look_at, the camera turns to the middle of the surface. `aspect` is width / height. Throws
-/// Failure: usage for a view direction of length zero or parallel to an up that was wished for, invalid if
-/// the surface is needed and a file has no finite point. Reads the surface only where something is left open.
+/// Failure for a view direction of length zero or parallel to an up that was wished for (usage, or invalid
+/// if the scene file says so), and if the surface is needed and a file has no finite point (invalid). Reads
+/// the surface only where something is left open.
 Camera make_camera(const CameraWish& wish, const Scene& scene, double aspect);
 
 }  // namespace tetprep

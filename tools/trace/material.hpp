@@ -41,6 +41,7 @@ struct MaterialChange {
   std::optional<double> ior;
   std::optional<Rgb> absorption;
   std::optional<std::string> texture;       ///< the path of a PNG; empty: none
+  std::string texture_where;                ///< in the scene file, for messages
   const Texture* loaded_texture = nullptr;  ///< of `texture`, once it is read
   std::optional<TextureOrigin> texture_origin;
   std::optional<VertexColors> vertex_colors;

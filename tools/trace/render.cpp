@@ -163,7 +163,7 @@ Rendering render(const Scene& scene, const Camera& camera, const RenderOptions& 
   Picture picture{scene,
                   camera,
                   options,
-                  locate_everywhere(scene, camera.eye, "the camera", " with --eye"),
+                  locate_everywhere(scene, camera.eye, "the camera", camera.where),
                   SampleGrid(options.samples),
                   {}};
   picture.pixels.resize(pixel_count);

@@ -32,9 +32,10 @@ struct Rendering {
 };
 
 /// The picture that `camera` takes of the scene, which must have been opened for this kind of shade. The same
-/// for any number of threads: pixels do not depend on each other, and sums of a picture are integers. Throws
-/// Failure: invalid if a ray meets bytes that are no mesh, usage if the camera, or a refracted ray, is in
-/// space that a file leaves out. O(rays * steps) time, 67 bytes a pixel.
+/// for any number of threads: tiles do not depend on each other, each adds up in one order, and sums of a
+/// picture are integers. Throws Failure: invalid if a ray meets bytes that are no mesh, or a refracted ray
+/// comes to space that a file leaves out; as locate_everywhere for the camera. O(rays * steps) time, 67 bytes
+/// a pixel, and a few MB a thread.
 Rendering render(const Scene& scene, const Camera& camera, const RenderOptions& options, Progress& progress);
 
 }  // namespace tetprep

@@ -123,7 +123,12 @@ class Opener {
   }
 
   void load(MaterialChange& change) {
-    if (change.texture && !change.texture->empty()) change.loaded_texture = texture(*change.texture);
+    if (!change.texture || change.texture->empty()) return;
+    try {
+      change.loaded_texture = texture(*change.texture);
+    } catch (const Failure& failure) {
+      throw Failure(failure.code(), change.texture_where + ": " + failure.what());
+    }
   }
 
   /// A texture that the tet file names may have stayed behind: then there is a warning instead.
@@ -261,7 +266,7 @@ std::uint64_t Scene::file_bytes() const {
 }
 
 std::vector<tetfmt::Location> locate_everywhere(const Scene& scene, Vec3 place, const std::string& what,
-                                                const std::string& advice) {
+                                                const std::string& where) {
   std::vector<tetfmt::Location> result;
   for (const auto& part : scene.parts) {
     const tetfmt::Location location = tetfmt::locate(part->view(), rounded(part->local(place)));
@@ -270,10 +275,11 @@ std::vector<tetfmt::Location> locate_everywhere(const Scene& scene, Vec3 place, 
                                            " cannot be located in this file; run `tet validate` on it");
     if (location.state == tetfmt::Location::State::absent) {
       const Vec3 model = place + scene.origin;
-      throw Failure(ExitCode::usage,
-                    what + " at " + number(model.x) + "," + number(model.y) + "," + number(model.z) +
-                        " is in space that the file " + part->file.path() +
-                        " leaves out; place it elsewhere" + advice +
+      throw Failure(where.empty() ? ExitCode::usage : ExitCode::invalid,
+                    (where.empty() ? "" : where + ": ") + what + " at " + number(model.x) + "," +
+                        number(model.y) + "," + number(model.z) + " is in space that the file " +
+                        part->file.path() + " leaves out; place it elsewhere" +
+                        (where.empty() ? " with --eye" : "") +
                         " (`tet info` lists the regions that are there), or convert with --keep all");
     }
     result.push_back(location);
@@ -311,13 +317,11 @@ Scene open_scene(const SceneDescription& description, bool shaded) {
     add_light_triangles(scene, i);
   }
   share_out(scene);
-  for (std::size_t i = 0; i < description.point_lights.size(); ++i) {
-    const PointLight& light = description.point_lights[i];
+  for (const PointLight& light : description.point_lights) {
     if (!(brightest(light.intensity) > 0)) continue;
     const Vec3 position = light.position - scene.origin;
     scene.point_lights.push_back(
-        {position, light.intensity,
-         locate_everywhere(scene, position, "point light " + std::to_string(i), "")});
+        {position, light.intensity, locate_everywhere(scene, position, "the light", light.where)});
   }
   return scene;
 }

@@ -81,9 +81,10 @@ struct Scene {
 /// O(sides) if a material sends out light.
 Scene open_scene(const SceneDescription& description, bool shaded);
 
-/// `place` (world) in every part. Throws Failure: usage if it is in space that a file leaves out, invalid if
-/// a file is none. `what` is "the camera" or "point light 2", `advice` what to do.
+/// `place` (world) in every part. Throws Failure if it is in space that a file leaves out (invalid; usage if
+/// `where` is empty), and if a file is none (invalid). `what` is "the camera" or "the light", `where` its
+/// place in the scene file; empty: the command line's, or nobody's.
 std::vector<tetfmt::Location> locate_everywhere(const Scene& scene, Vec3 place, const std::string& what,
-                                                const std::string& advice);
+                                                const std::string& where);
 
 }  // namespace tetprep

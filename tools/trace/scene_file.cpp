@@ -36,6 +36,7 @@ struct SceneReader {
          [&](const JsonValue& v) {
            if (!v.is_null() && !v.is_text()) v.expected("the path of a PNG, or null for no texture");
            result.texture = v.is_null() ? std::string() : beside(file, v.text());
+           result.texture_where = v.where();
          }},
         {"texture_origin",
          [&](const JsonValue& v) {
@@ -78,6 +79,7 @@ struct SceneReader {
 
   CameraWish camera(const JsonValue& value) const {
     CameraWish result;
+    result.where = value.where();
     value.read_members({
         {"eye", [&](const JsonValue& v) { result.eye = v.vector(); }},
         {"look_at", [&](const JsonValue& v) { result.look_at = v.vector(); }},
@@ -95,6 +97,7 @@ struct SceneReader {
 
   PointLight point_light(const JsonValue& value) const {
     PointLight result;
+    result.where = value.where();
     bool positioned = false, bright = false;
     value.read_members({
         {"position", [&](const JsonValue& v) { result.position = v.vector(), positioned = true; }},

@@ -27,8 +27,9 @@ struct FileEntry {
 };
 
 struct PointLight {
-  Vec3 position;  ///< model coordinates
-  Rgb intensity;  ///< a surface at distance d that faces it receives intensity / d^2
+  Vec3 position;        ///< model coordinates
+  Rgb intensity;        ///< a surface at distance d that faces it receives intensity / d^2
+  std::string where{};  ///< in the scene file, for messages
 };
 
 /// What rays see that leave the scene: a colour straight below, one straight above, blended by height.

@@ -6,6 +6,9 @@ namespace {
 
 using tetfmt::FileView, tetfmt::Hit, tetfmt::Location, tetfmt::Outcome, tetfmt::Vec3f;
 
+// Loops, until libtetfmt has these.
+namespace library {
+
 void trace_batch(const FileView& view, std::span<const Location> places, std::span<const BatchRay> rays,
                  std::span<Hit> hits) {
   for (std::size_t i = 0; i < rays.size(); ++i)
@@ -22,6 +25,8 @@ void occlusions(const FileView& view, const Location& from, std::span<const Loca
                 std::span<Outcome> outcomes) {
   for (std::size_t i = 0; i < targets.size(); ++i) outcomes[i] = tetfmt::occlusion(view, targets[i], from);
 }
+
+}  // namespace library
 
 tetfmt::Kernel kernel_of(Walks walks) {
   return walks == Walks::float_signs ? tetfmt::Kernel::float_only : tetfmt::Kernel::exact;
@@ -42,7 +47,7 @@ std::uint64_t first_hits(Walks walks, const FileView& view, const Location& from
 
 void first_hits(Walks walks, const FileView& view, std::span<const Location> places,
                 std::span<const BatchRay> rays, std::span<Hit> hits) {
-  if (walks == Walks::together) return trace_batch(view, places, rays, hits);
+  if (walks == Walks::together) return library::trace_batch(view, places, rays, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     hits[i] =
         tetfmt::first_hit(view, places[rays[i].from], rays[i].direction, rays[i].interval, kernel_of(walks));
@@ -51,7 +56,7 @@ void first_hits(Walks walks, const FileView& view, std::span<const Location> pla
 
 void occlusions(Walks walks, const FileView& view, std::span<const Location> places,
                 std::span<const BatchRay> rays, std::span<Outcome> outcomes) {
-  if (walks == Walks::together) return occlude_batch(view, places, rays, outcomes);
+  if (walks == Walks::together) return library::occlude_batch(view, places, rays, outcomes);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const BatchRay& ray = rays[i];
     const Location& from = places[ray.from];
@@ -64,7 +69,7 @@ void occlusions(Walks walks, const FileView& view, std::span<const Location> pla
 
 void occlusions(Walks walks, const FileView& view, std::span<const Location> places, const Location& target,
                 std::span<Outcome> outcomes) {
-  if (walks == Walks::together) return occlusions(view, target, places, outcomes);
+  if (walks == Walks::together) return library::occlusions(view, target, places, outcomes);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Location& from = places[i];
     if (walks == Walks::one_by_one) {
