@@ -13,9 +13,9 @@
 namespace tetprep {
 namespace {
 
-constexpr int kTile = 32;    ///< pixels along the edge of a tile, which is one thread's
-constexpr int kSquare = 16;  ///< samples along the edge of what is walked together...
-constexpr int kBlock = 4;    ///< ...and of its blocks: the order that tetfmt::first_hits likes best
+constexpr int kTile = 32;  ///< pixels along the edge of a tile, which is one thread's
+/// Samples along the edge of what is walked together, and of its blocks: as tetfmt::first_hits likes it best.
+constexpr std::size_t kSquare = 16, kBlock = 4;
 /// Samples whose light is asked for together, at least. More share more; fewer stay in a processor's cache.
 constexpr std::size_t kBundle = 1024;
 
@@ -44,11 +44,31 @@ struct Picture {
   }
 };
 
-/// Calls `use(i, j)` for x0 <= i < x1 and y0 <= j < y1, by squares of `edge` from the upper left corner.
+/// Where a column (row) of samples is in the picture, as if samples were smaller pixels.
+struct SampleLine {
+  double place;     ///< 0 to 1
+  int pixel;        ///< its column (row) of pixels
+  int line_within;  ///< of that
+};
+
+/// Those of the pixels from `begin` up to `end`, of `edge` in all.
+std::vector<SampleLine> sample_lines(int begin, int end, int lines_a_pixel, int edge) {
+  std::vector<SampleLine> lines;
+  for (int x = begin; x < end; ++x) {
+    for (int i = 0; i < lines_a_pixel; ++i) lines.push_back({(x + (i + 0.5) / lines_a_pixel) / edge, x, i});
+  }
+  return lines;
+}
+
+/// Calls `use(columns, rows)` with squares of `edge` x `edge`, row by row; the last may be smaller.
 template <class Use>
-void for_each_square(int x0, int y0, int x1, int y1, int edge, Use use) {
-  for (int y = y0; y < y1; y += edge) {
-    for (int x = x0; x < x1; x += edge) use(x, y, std::min(x + edge, x1), std::min(y + edge, y1));
+void for_each_square(std::span<const SampleLine> columns, std::span<const SampleLine> rows, std::size_t edge,
+                     Use use) {
+  const auto piece = [edge](std::span<const SampleLine> lines, std::size_t begin) {
+    return lines.subspan(begin, std::min(edge, lines.size() - begin));
+  };
+  for (std::size_t y = 0; y < rows.size(); y += edge) {
+    for (std::size_t x = 0; x < columns.size(); x += edge) use(piece(columns, x), piece(rows, y));
   }
 }
 
@@ -63,9 +83,10 @@ class Tile {
 
   /// Pixels from (x0, y0) up to (x1, y1), exclusive.
   void trace(int x0, int y0, int x1, int y1) {
-    const auto [columns, rows] = picture_.grid;
-    for_each_square(x0 * columns, y0 * rows, x1 * columns, y1 * rows, kSquare,
-                    [&](int i0, int j0, int i1, int j1) { trace_square(i0, j0, i1, j1); });
+    const RenderOptions& options = picture_.options;
+    for_each_square(sample_lines(x0, x1, picture_.grid.columns, options.width),
+                    sample_lines(y0, y1, picture_.grid.rows, options.height), kSquare,
+                    [&](auto columns, auto rows) { trace_square(columns, rows); });
     add_light();
   }
   const RayCounts& counts() const { return rays_.counts(); }
@@ -76,11 +97,12 @@ class Tile {
     std::size_t pixel, sample;
   };
 
-  /// Samples are counted over the whole picture, as if they were smaller pixels.
-  void trace_square(int i0, int j0, int i1, int j1) {
+  void trace_square(std::span<const SampleLine> columns, std::span<const SampleLine> rows) {
     directions_.clear(), origins_.clear();
-    for_each_square(i0, j0, i1, j1, kBlock, [&](int block_i0, int block_j0, int block_i1, int block_j1) {
-      for_each_square(block_i0, block_j0, block_i1, block_j1, 1, [&](int i, int j, int, int) { add(i, j); });
+    for_each_square(columns, rows, kBlock, [&](auto block_columns, auto block_rows) {
+      for (const SampleLine& row : block_rows) {
+        for (const SampleLine& column : block_columns) add_ray(column, row);
+      }
     });
     hits_.resize(directions_.size());
     rays_.first_hits(picture_.eye, directions_, hits_);
@@ -97,13 +119,11 @@ class Tile {
     if (bundle_.size() >= kBundle) add_light();
   }
 
-  void add(int i, int j) {
-    const auto [columns, rows] = picture_.grid;
-    const int x = i / columns, y = j / rows, column = i % columns, row = j % rows;
-    directions_.push_back(
-        rounded(picture_.camera.direction((x + (column + 0.5) / columns) / picture_.options.width,
-                                          (y + (row + 0.5) / rows) / picture_.options.height)));
-    origins_.push_back({picture_.number(x, y), static_cast<std::size_t>(row * columns + column)});
+  void add_ray(const SampleLine& column, const SampleLine& row) {
+    directions_.push_back(rounded(picture_.camera.direction(column.place, row.place)));
+    origins_.push_back(
+        {picture_.number(column.pixel, row.pixel),
+         static_cast<std::size_t>(row.line_within * picture_.grid.columns + column.line_within)});
   }
 
   void add_light() {
