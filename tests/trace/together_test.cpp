@@ -111,7 +111,7 @@ TEST_F(TogetherTest, GlassAndAllKindsOfLight) {
 }
 
 TEST_F(TogetherTest, AFullQueueIsAnsweredInBetween) {
-  // 1024 samples and more a bundle, 64 questions a hit.
+  // Up to 1024 samples a square, 64 questions a hit.
   SceneDescription description = scene_of_boxes({2});
   description.ambient = AmbientOcclusion{4, 64};
   compare(description, Shade::scene, {4});

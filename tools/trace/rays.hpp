@@ -62,8 +62,8 @@ class Rays {
  public:
   Rays(const Scene& scene, Walks walks) : scene_(scene), walks_(walks) {}
 
-  /// The nearest of the parts' first hits, for camera rays of one place (locate_everywhere); best in squares
-  /// of 16 x 16 neighbours, in blocks of 4 x 4 (tetfmt::first_hits).
+  /// The nearest of the parts' first hits, for camera rays of one place (locate_everywhere); best if
+  /// neighbours are close, in the order that tetfmt::first_hits says.
   void first_hits(std::span<const tetfmt::Location> eye, std::span<const tetfmt::Vec3f> directions,
                   std::span<SceneHit> hits);
   /// The same for rays from many places.

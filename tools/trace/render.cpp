@@ -14,10 +14,9 @@ namespace tetprep {
 namespace {
 
 constexpr int kTile = 32;  ///< pixels along the edge of a tile, which is one thread's
-/// Samples along the edge of what is walked together, and of its blocks: as tetfmt::first_hits likes it best.
-constexpr std::size_t kSquare = 16, kBlock = 4;
-/// Samples whose light is asked for together, at least. More share more; fewer stay in a processor's cache.
-constexpr std::size_t kBundle = 1024;
+/// Samples along the edges of squares, which are walked together, and of the squares that these are made of:
+/// the order that suits tetfmt::first_hits, and tetfmt::occlusions from a light.
+constexpr std::size_t kSquare = 32, kQuarter = 16, kBlock = 4;
 
 /// Places of a pixel's rays: `columns` x `rows` = samples, as square as the number allows.
 struct SampleGrid {
@@ -87,36 +86,30 @@ class Tile {
     for_each_square(sample_lines(x0, x1, picture_.grid.columns, options.width),
                     sample_lines(y0, y1, picture_.grid.rows, options.height), kSquare,
                     [&](auto columns, auto rows) { trace_square(columns, rows); });
-    add_light();
   }
   const RayCounts& counts() const { return rays_.counts(); }
 
  private:
-  /// A sample's pixel, and its number among those of the pixel.
-  struct Origin {
-    std::size_t pixel, sample;
-  };
-
   void trace_square(std::span<const SampleLine> columns, std::span<const SampleLine> rows) {
     directions_.clear(), origins_.clear();
-    for_each_square(columns, rows, kBlock, [&](auto block_columns, auto block_rows) {
-      for (const SampleLine& row : block_rows) {
-        for (const SampleLine& column : block_columns) add_ray(column, row);
-      }
+    for_each_square(columns, rows, kQuarter, [&](auto quarter_columns, auto quarter_rows) {
+      for_each_square(quarter_columns, quarter_rows, kBlock, [&](auto block_columns, auto block_rows) {
+        for (const SampleLine& row : block_rows) {
+          for (const SampleLine& column : block_columns) add_ray(column, row);
+        }
+      });
     });
     hits_.resize(directions_.size());
     rays_.first_hits(picture_.eye, directions_, hits_);
-    for (std::size_t k = 0; k < hits_.size(); ++k) {
-      Pixel& pixel = picture_.pixels[origins_[k].pixel];
-      if (picture_.options.shade == Shade::scene) {
-        bundle_.push_back({directions_[k], hits_[k], Dice(origins_[k].pixel, origins_[k].sample), {}});
-        targets_.push_back(&pixel);
-      } else {
-        gather(pixel, picture_.options.shade, picture_.scene.parts[hits_[k].part]->view(), picture_.camera,
-               vec3(directions_[k]), hits_[k].hit);
+    if (picture_.options.shade == Shade::scene) {
+      add_light();
+    } else {
+      for (std::size_t k = 0; k < hits_.size(); ++k) {
+        gather(picture_.pixels[origins_[k].pixel], picture_.options.shade,
+               picture_.scene.parts[hits_[k].part]->view(), picture_.camera, vec3(directions_[k]),
+               hits_[k].hit);
       }
     }
-    if (bundle_.size() >= kBundle) add_light();
   }
 
   void add_ray(const SampleLine& column, const SampleLine& row) {
@@ -127,22 +120,28 @@ class Tile {
   }
 
   void add_light() {
-    integrator_.add_light(bundle_);
-    for (std::size_t k = 0; k < bundle_.size(); ++k) {
-      targets_[k]->colour = targets_[k]->colour + bundle_[k].light;
-      ++targets_[k]->rays;
+    samples_.clear();
+    for (std::size_t k = 0; k < hits_.size(); ++k)
+      samples_.push_back({directions_[k], hits_[k], Dice(origins_[k].pixel, origins_[k].sample), {}});
+    integrator_.add_light(samples_);
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+      Pixel& pixel = picture_.pixels[origins_[k].pixel];
+      pixel.colour = pixel.colour + samples_[k].light;
+      ++pixel.rays;
     }
-    bundle_.clear(), targets_.clear();
   }
 
+  /// A sample's pixel, and its number among those of the pixel.
+  struct Origin {
+    std::size_t pixel, sample;
+  };
   Picture& picture_;
   Rays rays_;
   Integrator integrator_;
   std::vector<tetfmt::Vec3f> directions_;  // of a square
   std::vector<Origin> origins_;
   std::vector<SceneHit> hits_;
-  std::vector<Sample> bundle_;  // of Shade::scene: those whose light is still to be asked for
-  std::vector<Pixel*> targets_;
+  std::vector<Sample> samples_;
 };
 
 RayCounts trace_tiles(Picture& picture, Progress& progress) {

@@ -21,11 +21,6 @@ void occlude_batch(const FileView& view, std::span<const Location> places, std::
     outcomes[i] = tetfmt::occlusion(view, places[rays[i].from], rays[i].direction, rays[i].interval);
 }
 
-void occlusions(const FileView& view, const Location& from, std::span<const Location> targets,
-                std::span<Outcome> outcomes) {
-  for (std::size_t i = 0; i < targets.size(); ++i) outcomes[i] = tetfmt::occlusion(view, targets[i], from);
-}
-
 }  // namespace library
 
 tetfmt::Kernel kernel_of(Walks walks) {
@@ -69,7 +64,10 @@ void occlusions(Walks walks, const FileView& view, std::span<const Location> pla
 
 void occlusions(Walks walks, const FileView& view, std::span<const Location> places, const Location& target,
                 std::span<Outcome> outcomes) {
-  if (walks == Walks::together) return library::occlusions(view, target, places, outcomes);
+  if (walks == Walks::together) {
+    tetfmt::occlusions(view, target, places, outcomes);
+    return;
+  }
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Location& from = places[i];
     if (walks == Walks::one_by_one) {
