@@ -7,24 +7,26 @@ namespace {
 
 using namespace tetprep;
 
-/// Four boxes: a scene has any of them, as a file each. The first is glass, the last a lamp.
-FileEntry box(int which) {
+enum Thing { kGlassBox, kMirrorBox, kPaintedBox, kLamp, kFloor };
+
+/// Each is a file of its own. The boxes stand over the floor.
+FileEntry file_of(Thing which) {
   MaterialChange change;
   change.color = Rgb{0.8, 0.6, 0.4};
-  if (which == 0) {
+  if (which == kGlassBox) {
     change.finish = Finish::glass;
     change.ior = 1.4;
     change.absorption = Rgb{0.5, 0, 0.1};
   }
-  if (which == 1) change.finish = Finish::mirror;
-  if (which == 3) change.emission = Rgb{5, 4, 3};
-  const std::array<Vec3, 4> places{Vec3{0, 0, 0}, Vec3{-3, 0.25, 0}, Vec3{0.5, -3, 0}, Vec3{3, 4, 2}};
-  return entry("box.tet", change, places[static_cast<std::size_t>(which)]);
+  if (which == kMirrorBox) change.finish = Finish::mirror;
+  if (which == kLamp) change.emission = Rgb{5, 4, 3};
+  const std::array<Vec3, 5> places{Vec3{0, 0, 0}, {-3, 0.25, 0}, {0.5, -3, 0}, {3, 4, 2}, {-9, -10, -15}};
+  return entry(which == kFloor ? "floor.tet" : "box.tet", change, places[which]);
 }
 
-SceneDescription scene_of_boxes(const std::vector<int>& boxes) {
+SceneDescription scene_of_things(const std::vector<Thing>& things) {
   SceneDescription description;
-  for (const int which : boxes) description.files.push_back(box(which));
+  for (const Thing which : things) description.files.push_back(file_of(which));
   description.camera.eye = Vec3{10, 6, 15};
   description.camera.look_at = Vec3{2, 2, 3};
   description.background = {{0.1, 0.1, 0.1}, {0.8, 0.9, 1}};
@@ -55,6 +57,7 @@ class TogetherTest : public TraceTest {
   void SetUp() override {
     TraceTest::SetUp();
     write("box.tet", walls_mesh(kBox));
+    write("floor.tet", walls_mesh(kTop, 4));  // 8 x 8, at z = 1 once it is placed
   }
   /// `samples` that fit squares of 16 and ones that do not; a picture whose last tiles are partial.
   static void compare(const SceneDescription& description, Shade shade, std::vector<int> samples) {
@@ -81,14 +84,16 @@ class TogetherTest : public TraceTest {
 };
 
 TEST_F(TogetherTest, CameraRays) {
-  for (const Shade shade : {Shade::lambert, Shade::normal, Shade::depth})
-    compare(scene_of_boxes({2}), shade, {1, 4, 5, 9});
-  compare(scene_of_boxes({0, 1, 2, 3}), Shade::lambert, {4, 9});
+  compare(scene_of_things({kPaintedBox}), Shade::lambert, {1, 4, 5});
+  compare(scene_of_things({kPaintedBox}), Shade::normal, {5});
+  compare(scene_of_things({kPaintedBox}), Shade::depth, {9});
+  compare(scene_of_things({kGlassBox, kMirrorBox, kPaintedBox, kFloor}), Shade::lambert, {5});
 }
 
 TEST_F(TogetherTest, PointLightsAndAmbientOcclusion) {
-  for (const auto& boxes : {std::vector<int>{2}, {1, 2}, {2, 1}}) {
-    SceneDescription description = scene_of_boxes(boxes);
+  for (const auto& things :
+       {std::vector<Thing>{kPaintedBox}, {kFloor, kPaintedBox}, {kMirrorBox, kPaintedBox, kFloor}}) {
+    SceneDescription description = scene_of_things(things);
     description.point_lights = {{{9, 9, 9}, {150, 150, 100}}, {{3, 3, 7}, {10, 10, 30}}};
     compare(description, Shade::scene, {1, 9});
     description.ambient = AmbientOcclusion{4, 3};
@@ -97,13 +102,13 @@ TEST_F(TogetherTest, PointLightsAndAmbientOcclusion) {
 }
 
 TEST_F(TogetherTest, MeshLights) {
-  SceneDescription description = scene_of_boxes({2, 3, 1});
+  SceneDescription description = scene_of_things({kPaintedBox, kLamp, kMirrorBox, kFloor});
   description.light_samples = 2;
   compare(description, Shade::scene, {1, 4});
 }
 
 TEST_F(TogetherTest, GlassAndAllKindsOfLight) {
-  SceneDescription description = scene_of_boxes({0, 1, 2, 3});
+  SceneDescription description = scene_of_things({kGlassBox, kMirrorBox, kPaintedBox, kLamp, kFloor});
   compare(description, Shade::scene, {4});
   description.point_lights = {{{9, 9, 9}, {150, 150, 100}}};
   description.ambient = AmbientOcclusion{4, 2};
@@ -112,7 +117,7 @@ TEST_F(TogetherTest, GlassAndAllKindsOfLight) {
 
 TEST_F(TogetherTest, AFullQueueIsAnsweredInBetween) {
   // Up to 1024 samples a square, 64 questions a hit.
-  SceneDescription description = scene_of_boxes({2});
+  SceneDescription description = scene_of_things({kFloor, kPaintedBox});
   description.ambient = AmbientOcclusion{4, 64};
   compare(description, Shade::scene, {4});
 }
@@ -158,7 +163,7 @@ TEST_F(TogetherTest, EveryWalkHasItsExactAndItsFloatSigns) {
 }
 
 TEST_F(TogetherTest, FloatSignsErrAtEdgesOnly) {
-  SceneDescription description = scene_of_boxes({1, 2, 3});
+  SceneDescription description = scene_of_things({kMirrorBox, kPaintedBox, kLamp, kFloor});
   description.point_lights = {{{9.1, 9.2, 9.3}, {150, 150, 100}}};
   description.ambient = AmbientOcclusion{4, 1};
   RenderOptions options;
