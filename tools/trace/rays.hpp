@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "trace/scene.hpp"
 #include "trace/walks.hpp"

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <span>
+#include <vector>
 
 #include "common/threads.hpp"
 #include "trace/integrate.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "trace/walks.hpp"
 
+#include <array>
+
 namespace tetprep {
 namespace {
 
