@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Walks of many unrelated rays, side by side: a lane each (spec/traversal.md, section 10a).
+//
+// The lanes lie in memory, coordinate by coordinate. `advance` takes all of them some tetrahedra further;
+// those that come to something else (a face, the hull, their end) wait there for what follows, which is one
+// ray's business. Signs are certified in float32; the few that are not are asked of the exact predicates,
+// lane by lane.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "predicates.hpp"
+#include "tetfmt/traverse.hpp"
+
+namespace tetfmt::detail {
+
+inline constexpr std::size_t kLanes = 32;
+
+template <class T>
+using PerLane = std::array<T, kLanes>;
+
+/// A set of lanes: bit i is lane i.
+using LaneMask = std::uint32_t;
+
+/// The state of all walks. A walk is in `tet`, which it entered through the face of corners 0, 1, 2, crossed
+/// counter-clockwise; x, y are the corners as projected (signs.hpp), z their depth along the main axis.
+struct alignas(64) Lanes {
+  std::array<PerLane<float>, 3> x, y, z;
+  std::array<PerLane<Index>, 3> ids;
+  PerLane<Index> tet;
+  PerLane<Ref> previous;  ///< by what the tetrahedron was entered
+  PerLane<Ref> ref;       ///< of lanes that wait: what lies across the face
+
+  // Of the ray. Axes in the order i, j, k of ShearProjection.
+  std::array<PerLane<float>, 3> origin;
+  PerLane<float> slope_i, slope_j;
+  PerLane<float> sign_k;  ///< 1 or -1: whether the ray goes up or down its main axis
+  PerLane<float> error;   ///< a cross product is certain beyond error (|x| + |y| of both points) + square
+  PerLane<float> square;
+  PerLane<float> limit;   ///< the depth beyond which the ray has certainly ended
+  PerLane<Index> target;  ///< the tetrahedron in which the ray ends; kNone: in none
+  /// Moves the bytes of (anything, x, y, z) to (anything, i, j, k). In the order in which corners are loaded:
+  /// shuffle_slot().
+  alignas(64) std::array<std::array<std::uint8_t, 16>, kLanes> shuffle;
+
+  LaneMask walking = 0;  ///< lanes whose walks go on
+  PerLane<std::uint32_t> ray;
+};
+
+/// The rays exactly, for signs that float32 does not certify.
+class Lines {
+ public:
+  virtual Line line(std::uint32_t ray) const = 0;
+
+ protected:
+  ~Lines() = default;
+};
+
+/// What became of lanes that were walking, and wait now.
+struct Waiting {
+  LaneMask arrived = 0;  ///< at a constrained face, at the hull, or before their target: see Lanes::ref
+  LaneMask ended = 0;    ///< certainly beyond their limit
+  LaneMask corrupt = 0;  ///< an index does not exist
+};
+
+/// Takes all walking lanes further. The view must have fewer than kMaxBatchTets tetrahedra.
+using Advance = Waiting (*)(const FileView& view, const Lines& lines, Lanes& lanes);
+inline constexpr Index kMaxBatchTets = (Index{1} << 31) / 5;
+
+/// Compiled for one kind of processor.
+struct BatchTarget {
+  const char* name;
+  std::size_t width;  ///< lanes in a vector
+  Advance checked, unchecked;
+};
+
+/// Those that this processor can run, best first; never empty.
+std::span<const BatchTarget> batch_targets();
+
+/// Where in Lanes::shuffle a lane's is, with vectors of this many lanes: a vector's lanes 4 l + q are in the
+/// order of q, then l, as the transpose of four corners at a time has it.
+constexpr std::size_t shuffle_slot(std::size_t lane, std::size_t width) {
+  const std::size_t in_vector = lane % width;
+  return lane - in_vector + in_vector % 4 * (width / 4) + in_vector / 4;
+}
+
+}  // namespace tetfmt::detail
