@@ -13,20 +13,6 @@ namespace tetfmt {
 namespace detail {
 namespace {
 
-/// The rays of a batch, whatever is asked of them: where they start, where they end, and what to do at faces.
-/// Answers are given by answer(i, outcome) or, where anything is out of the ordinary, by alone(i).
-template <class View>
-struct Rays {
-  const View& view;
-  std::span<const Location> places;
-  std::span<const BatchRay> rays;
-
-  std::size_t size() const { return rays.size(); }
-  const Location* from(std::size_t i) const {
-    return rays[i].from < places.size() ? &places[rays[i].from] : nullptr;
-  }
-};
-
 const FileView& file_of(const FileView& view) {
   return view;
 }
@@ -144,7 +130,7 @@ class Segments {
     line.toward.lift = lift_of(file_, places_[segments_[i].to]);
     return line;
   }
-  double t_max(std::size_t) const { return 1; }
+  double t_max(std::size_t) const { return Interval{}.t_max; }  // its end is in the target
   Index target(std::size_t i) const {
     const Location& to = places_[segments_[i].to];
     return to.state == Location::State::inside ? to.cell.tet : kNone;
