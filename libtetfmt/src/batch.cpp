@@ -164,15 +164,11 @@ class Segments {
 };
 
 /// Keeps the lanes full until all rays are answered.
-template <bool kChecked, class Cells, class Asked>
+template <class Cells, class Asked>
 class Run final : Lines {
  public:
   Run(const FileView& view, const Cells& cells, const BatchTarget& target, const Asked& asked)
-      : view_(view),
-        cells_(cells),
-        advance_(kChecked ? target.checked : target.unchecked),
-        width_(target.width),
-        asked_(asked) {}
+      : view_(view), cells_(cells), advance_(target.advance), width_(target.width), asked_(asked) {}
 
   void all() {
     for (std::size_t lane = 0; lane < kLanes; ++lane) refill(lane);
@@ -236,8 +232,8 @@ class Run final : Lines {
     const Index beyond = twin(side_index(ref));
     const auto sides = view_.sides();
     if (beyond >= sides.size() || sides[beyond].tet >= view_.tet_count()) return give_up(lane);
-    lanes_.tet[lane] = sides[beyond].tet;
-    lanes_.previous[lane] = side_ref(beyond);
+    const std::array<Index, 3> ids = leaving.ids;
+    if (!enter(lane, {side_ref(beyond), ids, sides[beyond].tet, 0})) return give_up(lane);
     lanes_.walking |= LaneMask{1} << lane;
   }
 
@@ -281,6 +277,8 @@ class Run final : Lines {
     const Index target = asked_.target(ray);
     if (passage->steps == 1 && passage->ref == target) return false;
 
+    if (!enter(lane, *passage)) return false;
+
     const Vec3d &d = line.direction, &o = line.origin.point;
     const std::size_t k = Axes(d).largest;
     std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
@@ -303,8 +301,6 @@ class Run final : Lines {
       lanes_.ids[c][lane] = passage->ids[c];
       lanes_.origin[c][lane] = origin[c];
     }
-    lanes_.tet[lane] = passage->ref;
-    lanes_.previous[lane] = passage->previous;
     lanes_.slope_i[lane] = slope_i;
     lanes_.slope_j[lane] = slope_j;
     lanes_.sign_k[lane] = sign;
@@ -320,6 +316,17 @@ class Run final : Lines {
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (std::size_t byte = 0; byte < 4; ++byte)
         shuffle[4 * (axis + 1) + byte] = static_cast<std::uint8_t>(4 * (axes[axis] + 1) + byte);
+    return true;
+  }
+
+  /// Puts the lane before the passage's tetrahedron, which exists.
+  bool enter(std::size_t lane, const Passage& passage) {
+    const auto& [i0, i1, i2] = passage.ids;
+    const Index apex = cells_.vertex_xor(passage.ref) ^ i0 ^ i1 ^ i2;
+    if (apex >= view_.vertices().size()) return false;
+    lanes_.ref[lane] = passage.ref;
+    lanes_.tet[lane] = passage.previous;
+    lanes_.apex[lane] = apex;
     return true;
   }
 
@@ -343,7 +350,6 @@ class Run final : Lines {
 
 template <class View, class Asked>
 void answer(const View& view, const BatchTarget& target, const Asked& asked) {
-  constexpr bool kChecked = std::is_same_v<View, FileView>;
   const FileView& file = file_of(view);
   if (file.tet_count() >= kMaxBatchTets) {
     for (std::size_t i = 0; i < asked.size(); ++i) asked.from(i) ? asked.alone(i) : asked.corrupt(i);
@@ -351,7 +357,7 @@ void answer(const View& view, const BatchTarget& target, const Asked& asked) {
   }
   with_cells(file, [&](const auto& cells) {
     using Cells = std::remove_cvref_t<decltype(cells)>;
-    Run<kChecked, Cells, Asked>(file, cells, target, asked).all();
+    Run<Cells, Asked>(file, cells, target, asked).all();
   });
 }
 

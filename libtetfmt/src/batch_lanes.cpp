@@ -30,25 +30,20 @@ using M = hn::Mask<Ids>;
 constexpr std::size_t kWidth = hn::MaxLanes(Floats());
 static_assert(kWidth == 1 || kWidth % 4 == 0);
 
-/// Vectors of lanes that are walked in turn, so that one's loads are under way while another computes.
-#ifndef TOGETHER
-#define TOGETHER 2
-#endif
+/// Steps between two looks at lanes that wait.
 #ifndef STEPS
 #define STEPS 4
 #endif
-constexpr std::size_t kTogether = TOGETHER;
-/// Steps between two looks at lanes that wait.
 constexpr int kSteps = STEPS;
 
+static_assert(std::endian::native == std::endian::little);
 HWY_INLINE LaneMask to_bits(M mask) {
   std::array<std::uint8_t, 8> bytes{};
   hn::StoreMaskBits(Ids(), mask, bytes.data());
-  return static_cast<LaneMask>(bytes[0] | bytes[1] << 8);
+  return std::bit_cast<LaneMask>(bytes);
 }
 HWY_INLINE M from_bits(LaneMask bits) {
-  const std::array<std::uint8_t, 8> bytes = {static_cast<std::uint8_t>(bits),
-                                             static_cast<std::uint8_t>(bits >> 8)};
+  const auto bytes = std::bit_cast<std::array<std::uint8_t, 8>>(bits);
   return hn::LoadMaskBits(Ids(), bytes.data());
 }
 template <class Mask>
@@ -82,7 +77,7 @@ struct Corners {
   F i, j, k;
 };
 
-template <bool kChecked, class Cells>
+template <class Cells>
 class Walk {
  public:
   Walk(const FileView& view, const Cells& cells, const Lines& lines, Lanes& lanes)
@@ -93,83 +88,61 @@ class Walk {
         before_vertices_(reinterpret_cast<const std::uint8_t*>(view.vertices().data()) - 4) {}
 
   Waiting run() {
-    for (std::size_t first = 0; first < kLanes; first += kWidth * kTogether) advance(first);
-    return waiting_;
+    const LaneMask started = lanes_.walking;
+    for (int i = 0; i < kSteps; ++i) {
+      for (std::size_t first = 0; first < kLanes; first += kWidth) cross(first);
+      fetch();
+    }
+    Waiting waiting;
+    for (std::size_t first = 0; first < kLanes; first += kWidth) stop_arrived(first);
+    waiting.ended = ended_;
+    waiting.corrupt = corrupt_ & ~ended_;
+    lanes_.walking &= ~waiting.corrupt;
+    waiting.arrived = started & ~lanes_.walking & ~ended_ & ~corrupt_;
+    return waiting;
   }
 
  private:
-  /// The part of the lanes' state that changes, of one vector.
-  struct State {
-    F x0, x1, x2, y0, y1, y2, z0, z1, z2;
-    U i0, i1, i2, tet, previous, ref;
-    M walking, ended, corrupt;
-    std::size_t first;
-  };
+  HWY_INLINE M walking(std::size_t first) const { return from_bits(lanes_.walking >> first); }
+  HWY_INLINE void stop(std::size_t first, M lanes) { lanes_.walking &= ~(to_bits(lanes) << first); }
 
-  HWY_INLINE State load(std::size_t first) const {
-    const Floats f;
-    const Ids u;
-    State s;
-    s.first = first;
-    s.x0 = hn::Load(f, &lanes_.x[0][first]);
-    s.x1 = hn::Load(f, &lanes_.x[1][first]);
-    s.x2 = hn::Load(f, &lanes_.x[2][first]);
-    s.y0 = hn::Load(f, &lanes_.y[0][first]);
-    s.y1 = hn::Load(f, &lanes_.y[1][first]);
-    s.y2 = hn::Load(f, &lanes_.y[2][first]);
-    s.z0 = hn::Load(f, &lanes_.z[0][first]);
-    s.z1 = hn::Load(f, &lanes_.z[1][first]);
-    s.z2 = hn::Load(f, &lanes_.z[2][first]);
-    s.i0 = hn::Load(u, &lanes_.ids[0][first]);
-    s.i1 = hn::Load(u, &lanes_.ids[1][first]);
-    s.i2 = hn::Load(u, &lanes_.ids[2][first]);
-    s.tet = hn::Load(u, &lanes_.tet[first]);
-    s.previous = hn::Load(u, &lanes_.previous[first]);
-    s.ref = hn::Load(u, &lanes_.ref[first]);
-    s.walking = from_bits(lanes_.walking >> first);
-    s.ended = s.corrupt = from_bits(0);
-    return s;
+  /// Those before no tetrahedron, or before their target.
+  HWY_INLINE M arrived(U ref, std::size_t first) const {
+    const Signed signed_ids;
+    return hn::Or(as_ids(hn::Lt(hn::BitCast(signed_ids, ref), hn::Zero(signed_ids))),
+                  hn::Eq(ref, hn::Load(Ids(), &lanes_.target[first])));
   }
-  HWY_INLINE void store(const State& s) {
-    const Floats f;
-    const Ids u;
-    const std::size_t first = s.first;
-    hn::Store(s.x0, f, &lanes_.x[0][first]);
-    hn::Store(s.x1, f, &lanes_.x[1][first]);
-    hn::Store(s.x2, f, &lanes_.x[2][first]);
-    hn::Store(s.y0, f, &lanes_.y[0][first]);
-    hn::Store(s.y1, f, &lanes_.y[1][first]);
-    hn::Store(s.y2, f, &lanes_.y[2][first]);
-    hn::Store(s.z0, f, &lanes_.z[0][first]);
-    hn::Store(s.z1, f, &lanes_.z[1][first]);
-    hn::Store(s.z2, f, &lanes_.z[2][first]);
-    hn::Store(s.i0, u, &lanes_.ids[0][first]);
-    hn::Store(s.i1, u, &lanes_.ids[1][first]);
-    hn::Store(s.i2, u, &lanes_.ids[2][first]);
-    hn::Store(s.tet, u, &lanes_.tet[first]);
-    hn::Store(s.previous, u, &lanes_.previous[first]);
-    hn::Store(s.ref, u, &lanes_.ref[first]);
-    const LaneMask all = kWidth == 32 ? ~LaneMask{0} : ((LaneMask{1} << kWidth) - 1) << first;
-    const LaneMask started = lanes_.walking & all, walking = to_bits(s.walking) << first;
-    const LaneMask ended = to_bits(s.ended) << first, corrupt = to_bits(s.corrupt) << first;
-    waiting_.ended |= ended;
-    waiting_.corrupt |= corrupt;
-    waiting_.arrived |= started & ~walking & ~ended & ~corrupt;
-    lanes_.walking = (lanes_.walking & ~all) | walking;
+  HWY_INLINE void stop_arrived(std::size_t first) {
+    stop(first, arrived(hn::Load(Ids(), &lanes_.ref[first]), first));
   }
 
-  HWY_INLINE void advance(std::size_t first) {
-    State s[kTogether];
-    for (std::size_t k = 0; k < kTogether; ++k) s[k] = load(first + k * kWidth);
-    for (int i = 0; i < kSteps; ++i)
-      for (std::size_t k = 0; k < kTogether; ++k) step(s[k]);
-    for (std::size_t k = 0; k < kTogether; ++k) store(s[k]);
+  /// What lies across the faces, and the vertex that comes with it.
+  HWY_INLINE void fetch() {
+    Lanes& lanes = lanes_;
+    const std::uint32_t* const cells = cells_;
+    const Index tet_count = view_.tet_count(), vertex_count = static_cast<Index>(view_.vertices().size());
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      Ref ref = cells[lanes.at[lane]];
+      if constexpr (Cells::kNeedsEntryRank)
+        ref = lanes.previous[lane] ^ (ref & lanes.keep[lane]) ^
+              (cells[lanes.at_entry[lane]] & lanes.keep_entry[lane]);
+      lanes.ref[lane] = ref;
+      // No branch: what does not exist is read from cell 0, and not used.
+      const Index exists = Index{0} - static_cast<Index>(ref < tet_count);
+      Index apex = (cells[std::size_t{kStride} * (ref & exists)] ^ lanes.edges[lane]) & exists;
+      if (HWY_UNLIKELY(apex >= vertex_count)) {
+        corrupt_ |= LaneMask{1} << lane & lanes.walking;
+        apex = 0;
+      }
+      lanes.apex[lane] = apex;
+    }
   }
 
-  HWY_INLINE Corners corners(U at, std::size_t first) const {
+  /// Of the lanes' new vertices.
+  HWY_INLINE Corners corners(std::size_t first) const {
     const Floats f;
 #if HWY_TARGET == HWY_SCALAR
-    const std::uint8_t* const point = before_vertices_ + sizeof(Vec3f) * hn::GetLane(at);
+    const std::uint8_t* const point = before_vertices_ + sizeof(Vec3f) * lanes_.apex[first];
     const auto coordinate = [&](std::size_t axis) {
       float value;
       std::memcpy(&value, point + lanes_.shuffle[first][4 * axis + 4], sizeof value);
@@ -180,10 +153,8 @@ class Walk {
     const Ids u;
     const hn::Repartition<std::uint8_t, Ids> bytes;
     const hn::Repartition<std::uint64_t, Ids> pairs;
-    alignas(64) std::array<std::uint32_t, kWidth> index;
-    hn::Store(at, u, index.data());
     const auto row = [&](std::size_t q) HWY_ATTR {
-      const auto block = load_blocks(u, before_vertices_, sizeof(Vec3f), &index[q]);
+      const auto block = load_blocks(u, before_vertices_, sizeof(Vec3f), &lanes_.apex[first + q]);
       const auto order = hn::Load(bytes, lanes_.shuffle[first + q * (kWidth / 4)].data());
       return hn::BitCast(u, hn::TableLookupBytes(hn::BitCast(bytes, block), order));
     };
@@ -198,116 +169,117 @@ class Walk {
 #endif
   }
 
-  HWY_INLINE U gather(U at) const {
-    return hn::GatherIndex(Ids(), cells_, hn::BitCast(Signed(), at));
-  }
-
-  HWY_INLINE void step(State& s) {
+  /// Through the tetrahedra to their exit faces.
+  HWY_INLINE void cross(std::size_t first) {
+    Lanes& lanes = lanes_;
     const Floats f;
     const Ids u;
     const Signed signed_ids;
-    const auto of = [&](const PerLane<float>& values) HWY_ATTR { return hn::Load(f, &values[s.first]); };
+    const auto of = [&](PerLane<float>& values) HWY_ATTR { return hn::Load(f, &values[first]); };
+    const auto ids_of = [&](PerLane<Index>& values) HWY_ATTR { return hn::Load(u, &values[first]); };
     constexpr bool kTet20 = !Cells::kNeedsEntryRank;
-    const U cell = kTet20 ? hn::Add(hn::ShiftLeft<2>(s.tet), s.tet) : hn::ShiftLeft<2>(s.tet);
-    U apex = hn::IfThenElseZero(s.walking, hn::Xor(hn::Xor(gather(cell), s.i0), hn::Xor(s.i1, s.i2)));
-    if constexpr (kChecked) {
-      const M bad =
-          hn::AndNot(hn::Lt(apex, hn::Set(u, static_cast<Index>(view_.vertices().size()))), s.walking);
-      s.corrupt = hn::Or(s.corrupt, bad);
-      s.walking = hn::AndNot(bad, s.walking);
-      apex = hn::IfThenElseZero(s.walking, apex);
-    }
-    const Corners at = corners(apex, s.first);
-    const F depth = hn::Sub(at.k, of(lanes_.origin[2]));
-    const F x = hn::NegMulAdd(depth, of(lanes_.slope_i), hn::Sub(at.i, of(lanes_.origin[0])));
-    const F y = hn::NegMulAdd(depth, of(lanes_.slope_j), hn::Sub(at.j, of(lanes_.origin[1])));
-    const F z = hn::Mul(depth, of(lanes_.sign_k));
+    const U ref = ids_of(lanes.ref), apex = ids_of(lanes.apex);
+    U i0 = ids_of(lanes.ids[0]), i1 = ids_of(lanes.ids[1]), i2 = ids_of(lanes.ids[2]);
+    M walking = hn::AndNot(arrived(ref, first), from_bits((lanes.walking & ~corrupt_) >> first));
+    const M exists = hn::Lt(ref, hn::Set(u, view_.tet_count()));
+    corrupt_ |= to_bits(hn::AndNot(exists, walking)) << first;
+    walking = hn::And(walking, exists);
+    U tet = ids_of(lanes.tet);
+    if constexpr (!kTet20) hn::Store(select(walking, tet, ids_of(lanes.previous)), u, &lanes.previous[first]);
+    tet = select(walking, ref, tet);
+    hn::Store(tet, u, &lanes.tet[first]);
 
-    const F error = of(lanes_.error), square = of(lanes_.square);
+    const Corners corner = corners(first);
+    const F depth = hn::Sub(corner.k, of(lanes.origin[2]));
+    const F x = hn::NegMulAdd(depth, of(lanes.slope_i), hn::Sub(corner.i, of(lanes.origin[0])));
+    const F y = hn::NegMulAdd(depth, of(lanes.slope_j), hn::Sub(corner.j, of(lanes.origin[1])));
+    const F z = hn::Mul(depth, of(lanes.sign_k));
+
+    F x0 = of(lanes.x[0]), x1 = of(lanes.x[1]), x2 = of(lanes.x[2]);
+    F y0 = of(lanes.y[0]), y1 = of(lanes.y[1]), y2 = of(lanes.y[2]);
+    const F error = of(lanes.error), square = of(lanes.square);
     const F size = hn::Add(hn::Abs(x), hn::Abs(y));
-    const F cross0 = hn::MulSub(s.x0, y, hn::Mul(s.y0, x));
-    const F bound0 = hn::MulAdd(error, hn::Add(hn::Add(hn::Abs(s.x0), hn::Abs(s.y0)), size), square);
+    const F cross0 = hn::MulSub(x0, y, hn::Mul(y0, x));
+    const F bound0 = hn::MulAdd(error, hn::Add(hn::Add(hn::Abs(x0), hn::Abs(y0)), size), square);
     M left0 = as_ids(hn::Gt(cross0, hn::Zero(f)));
-    const F x12 = select(left0, s.x2, s.x1), y12 = select(left0, s.y2, s.y1);
+    const F x12 = select(left0, x2, x1), y12 = select(left0, y2, y1);
     const F cross1 = hn::MulSub(x12, y, hn::Mul(y12, x));
     const F bound1 = hn::MulAdd(error, hn::Add(hn::Add(hn::Abs(x12), hn::Abs(y12)), size), square);
     M left1 = as_ids(hn::Gt(cross1, hn::Zero(f)));
     const M sure = as_ids(hn::And(hn::Gt(hn::Abs(cross0), bound0), hn::Gt(hn::Abs(cross1), bound1)));
-    const M unsure = hn::AndNot(sure, s.walking);
+    const M unsure = hn::AndNot(sure, walking);
     if (HWY_UNLIKELY(!hn::AllFalse(u, unsure))) {
-      std::array<std::array<Index, kWidth>, 4> ids;
-      hn::StoreU(s.i0, u, ids[0].data());
-      hn::StoreU(s.i1, u, ids[1].data());
-      hn::StoreU(s.i2, u, ids[2].data());
-      hn::StoreU(apex, u, ids[3].data());
-      const Lefts lefts = exactly(ids, s.first, {to_bits(left0), to_bits(left1)}, to_bits(unsure));
+      const Lefts lefts = exactly(first, {to_bits(left0), to_bits(left1)}, to_bits(unsure));
       left0 = from_bits(lefts.first);
       left1 = from_bits(lefts.second);
     }
 
     // Exit opposite corner 0 if both say the same.
-    const M differ = hn::And(hn::Xor(left0, left1), s.walking);
-    const M exit0 = hn::AndNot(differ, s.walking), exit1 = hn::And(differ, left0),
+    const M differ = hn::And(hn::Xor(left0, left1), walking);
+    const M exit0 = hn::AndNot(differ, walking), exit1 = hn::And(differ, left0),
             exit2 = hn::AndNot(left0, differ);
-    const U out = select(exit1, s.i1, select(exit2, s.i2, s.i0));
-    U entry_rank = hn::Zero(u);
-    const U one = hn::Set(u, 1);
+    const U out = select(exit1, i1, select(exit2, i2, i0)), one = hn::Set(u, 1);
     const auto count = [&](U rank, U id, U other) HWY_ATTR {
       return select(as_ids(hn::Gt(hn::BitCast(signed_ids, id), hn::BitCast(signed_ids, other))),
                     hn::Add(rank, one), rank);
     };
-    if constexpr (!kTet20) entry_rank = count(count(count(entry_rank, apex, s.i0), apex, s.i1), apex, s.i2);
-    const auto replace = [&](M exit, U& id, F& px, F& py, F& pz) HWY_ATTR {
-      id = select(exit, apex, id);
-      px = select(exit, x, px);
-      py = select(exit, y, py);
-      pz = select(exit, z, pz);
-    };
-    replace(exit0, s.i0, s.x0, s.y0, s.z0);
-    replace(exit1, s.i1, s.x1, s.y1, s.z1);
-    replace(exit2, s.i2, s.x2, s.y2, s.z2);
-    U ref;
+    [[maybe_unused]] U entry_rank = hn::Zero(u);
+    if constexpr (!kTet20) entry_rank = count(count(count(entry_rank, apex, i0), apex, i1), apex, i2);
+    i0 = select(exit0, apex, i0);
+    i1 = select(exit1, apex, i1);
+    i2 = select(exit2, apex, i2);
+    const F z0 = select(exit0, z, of(lanes.z[0])), z1 = select(exit1, z, of(lanes.z[1])),
+            z2 = select(exit2, z, of(lanes.z[2]));
+    hn::Store(i0, u, &lanes.ids[0][first]);
+    hn::Store(i1, u, &lanes.ids[1][first]);
+    hn::Store(i2, u, &lanes.ids[2][first]);
+    hn::Store(select(exit0, x, x0), f, &lanes.x[0][first]);
+    hn::Store(select(exit1, x, x1), f, &lanes.x[1][first]);
+    hn::Store(select(exit2, x, x2), f, &lanes.x[2][first]);
+    hn::Store(select(exit0, y, y0), f, &lanes.y[0][first]);
+    hn::Store(select(exit1, y, y1), f, &lanes.y[1][first]);
+    hn::Store(select(exit2, y, y2), f, &lanes.y[2][first]);
+    hn::Store(z0, f, &lanes.z[0][first]);
+    hn::Store(z1, f, &lanes.z[1][first]);
+    hn::Store(z2, f, &lanes.z[2][first]);
+    hn::Store(hn::Xor(hn::Xor(i0, i1), i2), u, &lanes.edges[first]);
+
+    const U word = hn::Add(kTet20 ? hn::Add(hn::ShiftLeft<2>(tet), tet) : hn::ShiftLeft<2>(tet), one);
     if constexpr (kTet20) {
-      ref = gather(count(count(count(hn::Add(cell, one), out, s.i0), out, s.i1), out, s.i2));
+      // (of lanes that do not walk, any word of the cell)
+      const U at = count(count(count(word, out, i0), out, i1), out, i2);
+      hn::Store(select(walking, at, ids_of(lanes.at)), u, &lanes.at[first]);
     } else {
-      const U exit_rank = count(count(count(hn::Zero(u), out, s.i0), out, s.i1), out, s.i2);
-      const U three = hn::Set(u, 3);
-      const auto nx = [&](U rank) HWY_ATTR {
-        const U there = gather(hn::Add(hn::Add(cell, one), hn::Min(rank, hn::Set(u, 2))));
-        return hn::IfThenElseZero(hn::Ne(rank, three), there);
+      const U exit_rank = count(count(count(hn::Zero(u), out, i0), out, i1), out, i2);
+      const auto words = [&](U rank, PerLane<Index>& at, PerLane<Index>& keep) HWY_ATTR {
+        const M last = hn::Eq(rank, hn::Set(u, 3));
+        hn::Store(select(walking, select(last, word, hn::Add(word, rank)), ids_of(at)), u, &at[first]);
+        hn::Store(select(walking, select(last, hn::Zero(u), hn::Set(u, ~Index{0})), ids_of(keep)), u,
+                  &keep[first]);
       };
-      ref = hn::Xor(s.previous, hn::Xor(nx(entry_rank), nx(exit_rank)));
+      words(exit_rank, lanes.at, lanes.keep);
+      words(entry_rank, lanes.at_entry, lanes.keep_entry);
     }
-    const M beyond = as_ids(hn::Gt(hn::Min(s.z0, hn::Min(s.z1, s.z2)), of(lanes_.limit)));
-    s.ref = select(s.walking, ref, s.ref);
-    s.ended = hn::Or(s.ended, hn::And(beyond, s.walking));
-    s.walking = hn::AndNot(beyond, s.walking);
-    const M arrived = hn::Or(as_ids(hn::Lt(hn::BitCast(signed_ids, ref), hn::Zero(signed_ids))),
-                             hn::Eq(ref, hn::Load(u, &lanes_.target[s.first])));
-    s.walking = hn::AndNot(arrived, s.walking);
-    if constexpr (kChecked) {
-      const M bad = hn::AndNot(hn::Lt(ref, hn::Set(u, view_.tet_count())), s.walking);
-      s.corrupt = hn::Or(s.corrupt, bad);
-      s.walking = hn::AndNot(bad, s.walking);
-    }
-    if constexpr (!kTet20) s.previous = select(s.walking, s.tet, s.previous);
-    s.tet = select(s.walking, ref, s.tet);
+    const M beyond = hn::And(as_ids(hn::Gt(hn::Min(z0, hn::Min(z1, z2)), of(lanes.limit))), walking);
+    ended_ |= to_bits(beyond) << first;
+    const LaneMask all = kWidth == 64 ? ~LaneMask{0} : ((LaneMask{1} << kWidth) - 1) << first;
+    lanes.walking = (lanes.walking & ~all) | to_bits(hn::AndNot(beyond, walking)) << first;
   }
 
   struct Lefts {
     LaneMask first, second;
   };
-  HWY_NOINLINE Lefts exactly(const std::array<std::array<Index, kWidth>, 4>& ids, std::size_t first_lane,
-                             Lefts lefts, LaneMask unsure) const {
+  HWY_NOINLINE Lefts exactly(std::size_t first, Lefts lefts, LaneMask unsure) const {
     for (; unsure != 0; unsure &= unsure - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(unsure));
-      const Line line = lines_.line(lanes_.ray[first_lane + lane]);
-      const auto corner = [&](std::size_t k) { return Corner{view_.vertices()[ids[k][lane]], ids[k][lane]}; };
-      const bool first = passes_left(line, corner(0), corner(3)).left;
-      const bool second = passes_left(line, corner(first ? 2 : 1), corner(3)).left;
-      const LaneMask bit = LaneMask{1} << lane;
-      lefts.first = first ? lefts.first | bit : lefts.first & ~bit;
-      lefts.second = second ? lefts.second | bit : lefts.second & ~bit;
+      const auto in_vector = static_cast<std::size_t>(std::countr_zero(unsure)), lane = first + in_vector;
+      const Line line = lines_.line(lanes_.ray[lane]);
+      const auto corner = [&](Index id) { return Corner{view_.vertices()[id], id}; };
+      const Corner apex = corner(lanes_.apex[lane]);
+      const bool left0 = passes_left(line, corner(lanes_.ids[0][lane]), apex).left;
+      const bool left1 = passes_left(line, corner(lanes_.ids[left0 ? 2 : 1][lane]), apex).left;
+      const LaneMask bit = LaneMask{1} << in_vector;
+      lefts.first = left0 ? lefts.first | bit : lefts.first & ~bit;
+      lefts.second = left1 ? lefts.second | bit : lefts.second & ~bit;
     }
     return lefts;
   }
@@ -315,20 +287,20 @@ class Walk {
   const FileView& view_;
   const Lines& lines_;
   Lanes& lanes_;
+  static constexpr std::uint32_t kStride = Cells::kNeedsEntryRank ? 4 : 5;
   const std::uint32_t* cells_;
   const std::uint8_t* before_vertices_;
-  Waiting waiting_;
+  LaneMask ended_ = 0, corrupt_ = 0;
 };
 
-template <bool kChecked>
 Waiting advance(const FileView& view, const Lines& lines, Lanes& lanes) {
   return with_cells(view, [&](const auto& cells) {
     using Cells = std::remove_cvref_t<decltype(cells)>;
-    return Walk<kChecked, Cells>(view, cells, lines, lanes).run();
+    return Walk<Cells>(view, cells, lines, lanes).run();
   });
 }
 
-constexpr BatchTarget kBatchTarget = {HWY_STR(HWY_NAMESPACE), kWidth, advance<true>, advance<false>};
+constexpr BatchTarget kBatchTarget = {HWY_STR(HWY_NAMESPACE), kWidth, advance};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace tetfmt::detail

@@ -17,22 +17,30 @@
 
 namespace tetfmt::detail {
 
-inline constexpr std::size_t kLanes = 32;
+inline constexpr std::size_t kLanes = 64;
 
 template <class T>
 using PerLane = std::array<T, kLanes>;
 
 /// A set of lanes: bit i is lane i.
-using LaneMask = std::uint32_t;
+using LaneMask = std::uint64_t;
 
-/// The state of all walks. A walk is in `tet`, which it entered through the face of corners 0, 1, 2, crossed
-/// counter-clockwise; x, y are the corners as projected (signs.hpp), z their depth along the main axis.
+/// The state of all walks. A walk is about to enter the tetrahedron `ref` through the face of corners 0, 1,
+/// 2, crossed counter-clockwise; x, y are the corners as projected (signs.hpp), z their depth along the main
+/// axis.
 struct alignas(64) Lanes {
   std::array<PerLane<float>, 3> x, y, z;
   std::array<PerLane<Index>, 3> ids;
-  PerLane<Index> tet;
-  PerLane<Ref> previous;  ///< by what the tetrahedron was entered
-  PerLane<Ref> ref;       ///< of lanes that wait: what lies across the face
+  PerLane<Ref> ref;
+  PerLane<Index> apex;    ///< the tetrahedron's fourth vertex; any that exists where `ref` is no tetrahedron
+  PerLane<Index> tet;     ///< where the walk comes from: what the tetrahedron knows its entry face by
+  PerLane<Ref> previous;  ///< and by what it entered that one
+
+  // From one half of a step to the other.
+  PerLane<Index> edges;             ///< ids[0] ^ ids[1] ^ ids[2]
+  PerLane<Index> at;                ///< where among the cells' words `ref` is found
+  PerLane<Index> at_entry;          ///< of 16-byte cells also this word
+  PerLane<Index> keep, keep_entry;  ///< and what counts of the two: all bits or none
 
   // Of the ray. Axes in the order i, j, k of ShearProjection.
   std::array<PerLane<float>, 3> origin;
@@ -74,7 +82,7 @@ inline constexpr Index kMaxBatchTets = (Index{1} << 31) / 5;
 struct BatchTarget {
   const char* name;
   std::size_t width;  ///< lanes in a vector
-  Advance checked, unchecked;
+  Advance advance;
 };
 
 /// Those that this processor can run, best first; never empty.
