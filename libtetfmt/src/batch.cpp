@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
+#include <vector>
 
 #include "batch.hpp"
 #include "batch_lanes.hpp"
@@ -37,12 +39,20 @@ class RayBatch {
     return {{from.position, {}}, to_vec3d(rays_[i].direction), {}, false};
   }
   Line line(std::size_t i) const { return line_from(file_, *from(i), rays_[i].direction); }
-  double t_max(std::size_t i) const { return rays_[i].interval.t_max; }
   Index target(std::size_t) const { return kNone; }
-  bool ordinary(std::size_t i, const Line& line) const {
+  bool ordinary(std::size_t i) const {
     const Interval& interval = rays_[i].interval;
-    return interval.t_max >= std::max(interval.t_min, 0.0) && interval.t_min < Interval{}.t_max &&
-           can_be_followed(line);
+    return interval.t_max >= std::max(interval.t_min, 0.0) && interval.t_min < Interval{}.t_max;
+  }
+  void describe(std::size_t i, Starts& starts, std::size_t n) const {
+    const BatchRay& ray = rays_[i];
+    const auto& position = places_[ray.from].position;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      starts.position[axis][n] = static_cast<float>(position[axis]);
+    starts.direction[0][n] = ray.direction.x;
+    starts.direction[1][n] = ray.direction.y;
+    starts.direction[2][n] = ray.direction.z;
+    starts.t_max[n] = static_cast<float>(ray.interval.t_max);
   }
   AtFace at_face(std::size_t i, const Leaving& leaving) const {
     const auto& [t_min, t_max] = rays_[i].interval;
@@ -130,17 +140,24 @@ class Segments {
     line.toward.lift = lift_of(file_, places_[segments_[i].to]);
     return line;
   }
-  double t_max(std::size_t) const { return Interval{}.t_max; }  // its end is in the target
   Index target(std::size_t i) const {
     const Location& to = places_[segments_[i].to];
     return to.state == Location::State::inside ? to.cell.tet : kNone;
   }
-  bool ordinary(std::size_t i, const Line& line) const {
+  void describe(std::size_t i, Starts& starts, std::size_t n) const {
+    const auto &from = places_[segments_[i].from].position, &to = places_[segments_[i].to].position;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      starts.position[axis][n] = static_cast<float>(from[axis]);
+      starts.direction[axis][n] = static_cast<float>(to[axis] - from[axis]);
+    }
+    starts.t_max[n] = std::numeric_limits<float>::infinity();  // its end is in the target
+  }
+  bool ordinary(std::size_t i) const {
     using State = Location::State;
     const Location &from = places_[segments_[i].from], &to = places_[segments_[i].to];
     const bool same_tet =
         from.state == State::inside && to.state == State::inside && from.cell.tet == to.cell.tet;
-    return (to.state == State::inside || to.state == State::outside) && !same_tet && can_be_followed(line);
+    return (to.state == State::inside || to.state == State::outside) && !same_tet;
   }
   AtFace at_face(std::size_t i, const Leaving& leaving) const {
     const auto corner = [&](std::size_t k) {
@@ -163,17 +180,40 @@ class Segments {
   std::span<Outcome> outcomes_;
 };
 
+/// kOutwardFaces, turned inwards: of cells that are not positive, and of those that are.
+constexpr auto kInwardFaces = [] {
+  std::array<std::array<std::array<std::uint8_t, 3>, 4>, 2> faces = {kOutwardFaces, kOutwardFaces};
+  for (auto& face : faces[1]) std::swap(face[1], face[2]);
+  return faces;
+}();
+
+/// Lanes::shuffle for each of Walks::axes.
+constexpr auto kShuffles = [] {
+  std::array<std::array<std::uint8_t, 16>, 6> shuffles{};
+  for (std::size_t axes = 0; axes < 6; ++axes) {
+    const std::size_t k = axes % 3;
+    std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
+    if (axes >= 3) std::swap(i, j);
+    for (std::size_t byte = 0; byte < 4; ++byte) {
+      shuffles[axes][4 + byte] = static_cast<std::uint8_t>(4 * (i + 1) + byte);
+      shuffles[axes][8 + byte] = static_cast<std::uint8_t>(4 * (j + 1) + byte);
+      shuffles[axes][12 + byte] = static_cast<std::uint8_t>(4 * (k + 1) + byte);
+    }
+  }
+  return shuffles;
+}();
+
 /// Keeps the lanes full until all rays are answered.
 template <class Cells, class Asked>
 class Run final : Lines {
  public:
   Run(const FileView& view, const Cells& cells, const BatchTarget& target, const Asked& asked)
-      : view_(view), cells_(cells), advance_(target.advance), width_(target.width), asked_(asked) {}
+      : view_(view), cells_(cells), target_(target), asked_(asked) {}
 
   void all() {
     for (std::size_t lane = 0; lane < kLanes; ++lane) refill(lane);
     while (lanes_.walking != 0) {
-      const Waiting waiting = advance_(view_, *this, lanes_);
+      const Waiting waiting = target_.advance(view_, *this, lanes_);
       for (LaneMask rest = waiting.ended; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
         asked_.miss(lanes_.ray[lane]);
@@ -237,85 +277,102 @@ class Run final : Lines {
     lanes_.walking |= LaneMask{1} << lane;
   }
 
-  /// Gives the lane the next ray that needs it.
+  /// Gives the lane the next walk, if there is one.
   void refill(std::size_t lane) {
-    while (next_ < asked_.size()) {
-      const std::size_t ray = next_++;
-      if (begin(lane, ray)) {
-        lanes_.ray[lane] = static_cast<std::uint32_t>(ray);
-        lanes_.walking |= LaneMask{1} << lane;
-        since_[lane] = rounds_;
-        return;
-      }
-    }
+    if (begun_ == starts_ready_ && !prepare_more()) return;
+    const std::size_t n = order_[begun_++];
+    move_walk(starts_, n, lane);
+    lanes_.shuffle[shuffle_slot(lane, target_.width)] = kShuffles[starts_.axes[n]];
+    lanes_.walking |= LaneMask{1} << lane;
+    since_[lane] = rounds_;
+  }
+  void move_walk(const Walks& from, std::size_t n, std::size_t lane) {
+    const auto* source = reinterpret_cast<const std::byte*>(&from) + 4 * n;
+    auto* target = reinterpret_cast<std::byte*>(static_cast<Walks*>(&lanes_)) + 4 * lane;
+    for (std::size_t offset = 0; offset < sizeof(Walks); offset += sizeof(PerLane<Index>))
+      std::memcpy(target + offset, source + offset, 4);
   }
 
-  bool begin(std::size_t lane, std::size_t ray) {
+  /// Until there are walks to begin; false if there are no more rays.
+  bool prepare_more() {
+    do {
+      std::size_t count = 0;
+      for (const auto& [ray, passage] : unsure_) count += stage(count, ray, passage, true);
+      unsure_.clear();
+      while (count + unsure_.size() < kLanes && next_ < asked_.size()) count += begin(count, next_++);
+      begun_ = starts_ready_ = 0;
+      if (count == 0 && unsure_.empty()) return false;
+      if (count == 0) continue;
+      target_.prepare(view_, starts_);
+      for (std::size_t n = 0; n < count; ++n) {
+        if (starts_.status[n] == Starts::ready)
+          order_[starts_ready_++] = static_cast<std::uint8_t>(n);
+        else
+          begin_exactly(starts_.ray[n], starts_.status[n]);
+      }
+    } while (starts_ready_ == 0);
+    return true;
+  }
+
+  /// Stages a ray, or answers it, or notes that it needs a closer look.
+  bool begin(std::size_t n, std::size_t ray) {
     const Location* from = asked_.from(ray);
     if (!from) {
       asked_.corrupt(ray);
       return false;
     }
-    if (start(lane, ray, *from)) return true;
-    asked_.alone(ray);
-    return false;
+    using State = Location::State;
+    const bool inside = from->state == State::inside;
+    if (!asked_.ordinary(ray) || !(inside || from->state == State::outside) ||
+        (inside && !in_range(view_, from->cell))) {
+      asked_.alone(ray);
+      return false;
+    }
+    if (!inside || from->face >= kOutwardFaces.size()) {
+      begin_exactly(static_cast<std::uint32_t>(ray), Starts::unsure);
+      return false;
+    }
+    const auto& v = from->cell.vertices;
+    const auto& f = kInwardFaces[from->positive][from->face];
+    return stage(n, static_cast<std::uint32_t>(ray),
+                 {from->cell.neighbors[from->face], {v[f[0]], v[f[1]], v[f[2]]}, from->cell.tet, 0}, false);
   }
 
-  bool start(std::size_t lane, std::size_t ray, const Location& from) {
-    using State = Location::State;
-    if (from.state != State::inside && from.state != State::outside) return false;
-    if (from.state == State::inside && !in_range(view_, from.cell)) return false;
-    const Line line = asked_.flat_line(ray, from);
-    if (!asked_.ordinary(ray, line)) return false;
-    const double most = reach(line, view_.bounds());
-    if (!(most >= 0x1p-50 && most <= 0x1p50)) return false;
-    std::optional<Passage> passage;
-    if (from.state == State::inside && from.face < kOutwardFaces.size())
-      passage = leave_face(view_, line, from);
-    if (!passage) passage = first_passage_exactly(ray, from);
-    if (!passage || passage->ref >= view_.tet_count()) return false;
-    const Index target = asked_.target(ray);
-    if (passage->steps == 1 && passage->ref == target) return false;
-
-    if (!enter(lane, *passage)) return false;
-
-    const Vec3d &d = line.direction, &o = line.origin.point;
-    const std::size_t k = Axes(d).largest;
-    std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-    if (d[k] < 0) std::swap(i, j);
-    const std::array<std::size_t, 3> axes = {i, j, k};
-    const auto slope_i = static_cast<float>(d[i] / d[k]), slope_j = static_cast<float>(d[j] / d[k]);
-    const float sign = d[k] < 0 ? -1 : 1;
-    std::array<float, 3> origin;
-    double off = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      origin[axis] = static_cast<float>(o[axes[axis]]);
-      off = std::max(off, std::abs(o[axes[axis]] - double{origin[axis]}));
+  /// A ray that begins in no face's plane, or not certainly on its near side.
+  void begin_exactly(std::uint32_t ray, std::uint32_t status) {
+    if (status == Starts::unsure) {
+      const Line line = asked_.line(ray);
+      if (can_be_followed(line)) {
+        const auto passage = first_passage(view_, cells_, Signs(line, view_.bounds(), view_.vertices(), {}),
+                                           line, *asked_.from(ray));
+        if (passage && passage->ref < view_.tet_count() &&
+            !(passage->steps == 1 && passage->ref == asked_.target(ray))) {
+          unsure_.push_back({ray, *passage});
+          return;
+        }
+        if (!passage && asked_.from(ray)->state == Location::State::outside) return asked_.miss(ray);
+      }
     }
-    for (std::size_t c = 0; c < 3; ++c) {
-      const Vec3f& p = view_.vertices()[passage->ids[c]];
-      const float depth = coordinate(p, k) - origin[2];
-      lanes_.x[c][lane] = (coordinate(p, i) - origin[0]) - depth * slope_i;
-      lanes_.y[c][lane] = (coordinate(p, j) - origin[1]) - depth * slope_j;
-      lanes_.z[c][lane] = depth * sign;
-      lanes_.ids[c][lane] = passage->ids[c];
-      lanes_.origin[c][lane] = origin[c];
+    asked_.alone(ray);
+  }
+
+  bool stage(std::size_t n, std::uint32_t ray, const Passage& passage, bool certain) {
+    const auto& [i0, i1, i2] = passage.ids;
+    const Index apex = cells_.vertex_xor(passage.ref) ^ i0 ^ i1 ^ i2;
+    if (apex >= view_.vertices().size()) {
+      asked_.alone(ray);
+      return false;
     }
-    lanes_.slope_i[lane] = slope_i;
-    lanes_.slope_j[lane] = slope_j;
-    lanes_.sign_k[lane] = sign;
-    const double error = 9 * 0x1p-24 * most + 3 * off;
-    lanes_.error[lane] = static_cast<float>(error);
-    lanes_.square[lane] = static_cast<float>(4 * error * error) + std::numeric_limits<float>::min();
-    const double length = asked_.t_max(ray) * std::abs(d[k]);
-    lanes_.limit[lane] = length < 4 * most
-                             ? static_cast<float>(length * (1 + 0x1p-20) + 4 * 0x1p-24 * most + 4 * off)
-                             : std::numeric_limits<float>::infinity();
-    lanes_.target[lane] = target;
-    auto& shuffle = lanes_.shuffle[shuffle_slot(lane, width_)];
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (std::size_t byte = 0; byte < 4; ++byte)
-        shuffle[4 * (axis + 1) + byte] = static_cast<std::uint8_t>(4 * (axes[axis] + 1) + byte);
+    asked_.describe(ray, starts_, n);
+    starts_.ids[0][n] = i0;
+    starts_.ids[1][n] = i1;
+    starts_.ids[2][n] = i2;
+    starts_.ref[n] = passage.ref;
+    starts_.tet[n] = passage.previous;
+    starts_.apex[n] = apex;
+    starts_.target[n] = asked_.target(ray);
+    starts_.ray[n] = ray;
+    starts_.certain[n] = certain;
     return true;
   }
 
@@ -330,21 +387,23 @@ class Run final : Lines {
     return true;
   }
 
-  std::optional<Passage> first_passage_exactly(std::size_t ray, const Location& from) const {
-    const Line line = asked_.line(ray);
-    return first_passage(view_, cells_, Signs(line, view_.bounds(), view_.vertices(), {}), line, from);
-  }
-
   static constexpr std::uint64_t kRoundsBetweenLooks = 256;
 
   const FileView& view_;
   const Cells& cells_;
-  Advance advance_;
-  std::size_t width_;
+  const BatchTarget& target_;
   const Asked& asked_;
   std::size_t next_ = 0;
   std::uint64_t rounds_ = 0;
   PerLane<std::uint64_t> since_{};
+  struct Begun {
+    std::uint32_t ray;
+    Passage passage;
+  };
+  std::vector<Begun> unsure_;  ///< rays whose first passage is known
+  std::size_t begun_ = 0, starts_ready_ = 0;
+  std::array<std::uint8_t, kLanes> order_{};  ///< of the starts that are ready
+  Starts starts_{};
   Lanes lanes_{};
 };
 

@@ -10,7 +10,10 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "cells.hpp"
@@ -57,25 +60,57 @@ HWY_INLINE U select(M mask, U yes, U no) {
   return hn::IfThenElse(mask, yes, no);
 }
 
-#if HWY_TARGET != HWY_SCALAR
-/// Sixteen bytes from each of every fourth address: those of lanes q, 4 + q, ...
+struct Points {
+  F x, y, z;
+};
+
+#if HWY_TARGET == HWY_SCALAR
+/// The points of these ids, with their coordinates in the order that `shuffle` gives.
+HWY_INLINE Points load_points(const Vec3f* vertices, const Index* ids,
+                              const std::array<std::uint8_t, 16>* shuffle) {
+  const auto* const before = reinterpret_cast<const std::uint8_t*>(vertices + *ids) - 4;
+  const auto coordinate = [&](std::size_t axis) {
+    float value;
+    std::memcpy(&value, before + (*shuffle)[4 * axis + 4], sizeof value);
+    return hn::Set(Floats(), value);
+  };
+  return {coordinate(0), coordinate(1), coordinate(2)};
+}
+#else
+/// Sixteen bytes from each of the points of ids 0, 4, ... of a vector: the coordinates and what lies before.
+/// (There is something: a file begins with its header.)
 template <class D>
-HWY_INLINE hn::Vec<D> load_blocks(D d, const std::uint8_t* base, std::size_t stride,
-                                  const std::uint32_t* at) {
+HWY_INLINE hn::Vec<D> load_blocks(D d, const Vec3f* vertices, const Index* ids) {
   if constexpr (hn::MaxLanes(D()) == 4) {
-    return hn::BitCast(d, hn::LoadU(hn::Full128<std::uint8_t>(), base + stride * at[0]));
+    const auto* const before = reinterpret_cast<const std::uint8_t*>(vertices + *ids) - 4;
+    return hn::BitCast(d, hn::LoadU(hn::Full128<std::uint8_t>(), before));
   } else {
     const hn::Half<D> half;
-    return hn::Combine(d, load_blocks(half, base, stride, at + hn::MaxLanes(half)),
-                       load_blocks(half, base, stride, at));
+    return hn::Combine(d, load_blocks(half, vertices, ids + hn::MaxLanes(half)),
+                       load_blocks(half, vertices, ids));
   }
 }
 
+HWY_INLINE Points load_points(const Vec3f* vertices, const Index* ids,
+                              const std::array<std::uint8_t, 16>* shuffle) {
+  const Floats f;
+  const Ids u;
+  const hn::Repartition<std::uint8_t, Ids> bytes;
+  const hn::Repartition<std::uint64_t, Ids> pairs;
+  const auto row = [&](std::size_t q) HWY_ATTR {
+    const auto block = hn::BitCast(bytes, load_blocks(u, vertices, ids + q));
+    const auto order = hn::Load(bytes, shuffle[q * (kWidth / 4)].data());
+    return hn::BitCast(u, hn::TableLookupBytes(block, order));
+  };
+  const U r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
+  const auto a = hn::BitCast(pairs, hn::InterleaveLower(u, r0, r1)),
+             b = hn::BitCast(pairs, hn::InterleaveLower(u, r2, r3));
+  const auto c = hn::BitCast(pairs, hn::InterleaveUpper(u, r0, r1)),
+             d = hn::BitCast(pairs, hn::InterleaveUpper(u, r2, r3));
+  return {hn::BitCast(f, hn::InterleaveUpper(pairs, a, b)), hn::BitCast(f, hn::InterleaveLower(pairs, c, d)),
+          hn::BitCast(f, hn::InterleaveUpper(pairs, c, d))};
+}
 #endif
-
-struct Corners {
-  F i, j, k;
-};
 
 template <class Cells>
 class Walk {
@@ -84,8 +119,7 @@ class Walk {
       : view_(view),
         lines_(lines),
         lanes_(lanes),
-        cells_(reinterpret_cast<const std::uint32_t*>(cells.cells.data())),
-        before_vertices_(reinterpret_cast<const std::uint8_t*>(view.vertices().data()) - 4) {}
+        cells_(reinterpret_cast<const std::uint32_t*>(cells.cells.data())) {}
 
   Waiting run() {
     const LaneMask started = lanes_.walking;
@@ -138,37 +172,6 @@ class Walk {
     }
   }
 
-  /// Of the lanes' new vertices.
-  HWY_INLINE Corners corners(std::size_t first) const {
-    const Floats f;
-#if HWY_TARGET == HWY_SCALAR
-    const std::uint8_t* const point = before_vertices_ + sizeof(Vec3f) * lanes_.apex[first];
-    const auto coordinate = [&](std::size_t axis) {
-      float value;
-      std::memcpy(&value, point + lanes_.shuffle[first][4 * axis + 4], sizeof value);
-      return hn::Set(f, value);
-    };
-    return {coordinate(0), coordinate(1), coordinate(2)};
-#else
-    const Ids u;
-    const hn::Repartition<std::uint8_t, Ids> bytes;
-    const hn::Repartition<std::uint64_t, Ids> pairs;
-    const auto row = [&](std::size_t q) HWY_ATTR {
-      const auto block = load_blocks(u, before_vertices_, sizeof(Vec3f), &lanes_.apex[first + q]);
-      const auto order = hn::Load(bytes, lanes_.shuffle[first + q * (kWidth / 4)].data());
-      return hn::BitCast(u, hn::TableLookupBytes(hn::BitCast(bytes, block), order));
-    };
-    const U r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
-    const auto a = hn::BitCast(pairs, hn::InterleaveLower(u, r0, r1)),
-               b = hn::BitCast(pairs, hn::InterleaveLower(u, r2, r3));
-    const auto c = hn::BitCast(pairs, hn::InterleaveUpper(u, r0, r1)),
-               d = hn::BitCast(pairs, hn::InterleaveUpper(u, r2, r3));
-    return {hn::BitCast(f, hn::InterleaveUpper(pairs, a, b)),
-            hn::BitCast(f, hn::InterleaveLower(pairs, c, d)),
-            hn::BitCast(f, hn::InterleaveUpper(pairs, c, d))};
-#endif
-  }
-
   /// Through the tetrahedra to their exit faces.
   HWY_INLINE void cross(std::size_t first) {
     Lanes& lanes = lanes_;
@@ -189,10 +192,10 @@ class Walk {
     tet = select(walking, ref, tet);
     hn::Store(tet, u, &lanes.tet[first]);
 
-    const Corners corner = corners(first);
-    const F depth = hn::Sub(corner.k, of(lanes.origin[2]));
-    const F x = hn::NegMulAdd(depth, of(lanes.slope_i), hn::Sub(corner.i, of(lanes.origin[0])));
-    const F y = hn::NegMulAdd(depth, of(lanes.slope_j), hn::Sub(corner.j, of(lanes.origin[1])));
+    const Points corner = load_points(view_.vertices().data(), &lanes.apex[first], &lanes.shuffle[first]);
+    const F depth = hn::Sub(corner.z, of(lanes.origin[2]));
+    const F x = hn::NegMulAdd(depth, of(lanes.slope_i), hn::Sub(corner.x, of(lanes.origin[0])));
+    const F y = hn::NegMulAdd(depth, of(lanes.slope_j), hn::Sub(corner.y, of(lanes.origin[1])));
     const F z = hn::Mul(depth, of(lanes.sign_k));
 
     F x0 = of(lanes.x[0]), x1 = of(lanes.x[1]), x2 = of(lanes.x[2]);
@@ -289,9 +292,121 @@ class Walk {
   Lanes& lanes_;
   static constexpr std::uint32_t kStride = Cells::kNeedsEntryRank ? 4 : 5;
   const std::uint32_t* cells_;
-  const std::uint8_t* before_vertices_;
   LaneMask ended_ = 0, corrupt_ = 0;
 };
+
+/// Whatever the order of the coordinates: x, y, z.
+alignas(64) constexpr auto kInOrder = [] {
+  std::array<std::array<std::uint8_t, 16>, kWidth> shuffles{};
+  for (auto& shuffle : shuffles)
+    for (std::size_t byte = 0; byte < 16; ++byte) shuffle[byte] = static_cast<std::uint8_t>(byte);
+  return shuffles;
+}();
+
+/// Puts coordinates into the order i, j, k.
+class Order {
+ public:
+  explicit Order(const Points& d) {
+    const F x = hn::Abs(d.x), y = hn::Abs(d.y), z = hn::Abs(d.z);
+    y_more_ = hn::Gt(y, x);
+    z_most_ = hn::Gt(z, hn::IfThenElse(y_more_, y, x));
+    swapped_ = hn::Lt(most(d), hn::Zero(Floats()));
+  }
+  HWY_INLINE Points operator()(const Points& p) const {
+    const F after = hn::IfThenElse(z_most_, p.x, hn::IfThenElse(y_more_, p.z, p.y));
+    const F before = hn::IfThenElse(z_most_, p.y, hn::IfThenElse(y_more_, p.x, p.z));
+    return {hn::IfThenElse(swapped_, before, after), hn::IfThenElse(swapped_, after, before), most(p)};
+  }
+  /// As Walks::axes has it.
+  HWY_INLINE U axes() const {
+    const auto if_set = [](hn::Mask<Floats> mask, std::uint32_t value)
+                            HWY_ATTR { return hn::IfThenElseZero(as_ids(mask), hn::Set(Ids(), value)); };
+    return hn::Add(hn::IfThenElse(as_ids(z_most_), hn::Set(Ids(), 2), if_set(y_more_, 1)),
+                   if_set(swapped_, 3));
+  }
+
+ private:
+  HWY_INLINE F most(const Points& p) const {
+    return hn::IfThenElse(z_most_, p.z, hn::IfThenElse(y_more_, p.y, p.x));
+  }
+  hn::Mask<Floats> y_more_, z_most_, swapped_;
+};
+
+HWY_INLINE F largest(F x, F y, F z) {
+  return hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
+}
+HWY_INLINE Points minus(const Points& p, const Points& q) {
+  return {hn::Sub(p.x, q.x), hn::Sub(p.y, q.y), hn::Sub(p.z, q.z)};
+}
+
+/// The bounds are those of the spec.
+HWY_INLINE void prepare(const FileView& view, Starts& starts, std::size_t first) {
+  const Floats f;
+  const Ids u;
+  const auto of = [&](const PerLane<float>& values) HWY_ATTR { return hn::Load(f, &values[first]); };
+  const auto points = [&](const std::array<PerLane<float>, 3>& p) HWY_ATTR {
+    return Points{of(p[0]), of(p[1]), of(p[2])};
+  };
+  const auto put = [&](F value, PerLane<float>& values) HWY_ATTR { hn::Store(value, f, &values[first]); };
+  const auto set = [&](float value) HWY_ATTR { return hn::Set(f, value); };
+  const auto with = [&](const Vec3f& p) HWY_ATTR { return Points{set(p.x), set(p.y), set(p.z)}; };
+
+  const Points position = points(starts.position), direction = points(starts.direction);
+  const Points low = minus(with(view.bounds().lower), position),
+               high = minus(with(view.bounds().upper), position);
+  const F reach =
+      hn::Mul(hn::Max(largest(low.x, low.y, low.z), largest(high.x, high.y, high.z)), set(1 + 0x1p-20f));
+  const F from_zero = largest(position.x, position.y, position.z);
+  const F error = hn::MulAdd(set(12 * 0x1p-24f), reach, hn::Mul(set(3 * 0x1p-24f), from_zero));
+
+  const Order order(direction);
+  const Points d = order(direction), o = order(position);
+  const F slope_i = hn::Div(d.x, d.z), slope_j = hn::Div(d.y, d.z), length = hn::Abs(d.z);
+  const F sign = hn::CopySign(set(1), d.z);
+  put(o.x, starts.origin[0]);
+  put(o.y, starts.origin[1]);
+  put(o.z, starts.origin[2]);
+  put(slope_i, starts.slope_i);
+  put(slope_j, starts.slope_j);
+  put(sign, starts.sign_k);
+  put(error, starts.error);
+  put(hn::MulAdd(hn::Mul(set(4), error), error, set(std::numeric_limits<float>::min())), starts.square);
+  put(hn::MulAdd(hn::Mul(of(starts.t_max), length), set(1 + 0x1p-20f), error), starts.limit);
+  hn::Store(order.axes(), u, &starts.axes[first]);
+
+  std::array<Points, 3> corners;
+  for (std::size_t c = 0; c < 3; ++c) {
+    corners[c] = order(load_points(view.vertices().data(), &starts.ids[c][first], kInOrder.data()));
+    const Points p = minus(corners[c], o);
+    put(hn::NegMulAdd(p.z, slope_i, p.x), starts.x[c]);
+    put(hn::NegMulAdd(p.z, slope_j, p.y), starts.y[c]);
+    put(hn::Mul(p.z, sign), starts.z[c]);
+  }
+
+  // Whether the ray goes through the face: its edges, projected.
+  const Points b = minus(corners[1], corners[0]), c = minus(corners[2], corners[0]);
+  const F bx = hn::NegMulAdd(b.z, slope_i, b.x), by = hn::NegMulAdd(b.z, slope_j, b.y);
+  const F cx = hn::NegMulAdd(c.z, slope_i, c.x), cy = hn::NegMulAdd(c.z, slope_j, c.y);
+  const F bound = hn::MulAdd(hn::Mul(set(128 * 0x1p-24f), largest(b.x, b.y, b.z)), largest(c.x, c.y, c.z),
+                             set(std::numeric_limits<float>::min()));
+  const M through = as_ids(hn::Gt(hn::MulSub(bx, cy, hn::Mul(by, cx)), bound));
+  const M given = hn::Ne(hn::Load(u, &starts.certain[first]), hn::Zero(u));
+
+  const auto within = [&](F value, float least, float most) HWY_ATTR {
+    return as_ids(hn::And(hn::Ge(value, set(least)), hn::Le(value, set(most))));
+  };
+  const M finite = hn::And(within(hn::Add(hn::Add(hn::Abs(o.x), hn::Abs(o.y)), hn::Abs(o.z)), 0, 0x1p60f),
+                           within(hn::Add(hn::Abs(slope_i), hn::Abs(slope_j)), 0, 2));
+  const M usual =
+      hn::And(finite, hn::And(within(reach, 0x1p-50f, 0x1p50f), within(length, 0x1p-60f, 0x1p60f)));
+  const U ready = hn::Set(u, Starts::ready), unsure = hn::Set(u, Starts::unsure),
+          unusual = hn::Set(u, Starts::unusual);
+  hn::Store(select(usual, select(hn::Or(through, given), ready, unsure), unusual), u, &starts.status[first]);
+}
+
+void prepare(const FileView& view, Starts& starts) {
+  for (std::size_t first = 0; first < kLanes; first += kWidth) prepare(view, starts, first);
+}
 
 Waiting advance(const FileView& view, const Lines& lines, Lanes& lanes) {
   return with_cells(view, [&](const auto& cells) {
@@ -300,7 +415,7 @@ Waiting advance(const FileView& view, const Lines& lines, Lanes& lanes) {
   });
 }
 
-constexpr BatchTarget kBatchTarget = {HWY_STR(HWY_NAMESPACE), kWidth, advance};
+constexpr BatchTarget kBatchTarget = {HWY_STR(HWY_NAMESPACE), kWidth, prepare, advance};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace tetfmt::detail

@@ -25,22 +25,15 @@ using PerLane = std::array<T, kLanes>;
 /// A set of lanes: bit i is lane i.
 using LaneMask = std::uint64_t;
 
-/// The state of all walks. A walk is about to enter the tetrahedron `ref` through the face of corners 0, 1,
-/// 2, crossed counter-clockwise; x, y are the corners as projected (signs.hpp), z their depth along the main
-/// axis.
-struct alignas(64) Lanes {
-  std::array<PerLane<float>, 3> x, y, z;
+/// Walks, each about to enter the tetrahedron `ref` through the face of corners 0, 1, 2, crossed
+/// counter-clockwise. Nothing but numbers of four bytes: see move().
+struct alignas(64) Walks {
+  std::array<PerLane<float>, 3> x, y;  ///< the corners as projected (signs.hpp)
+  std::array<PerLane<float>, 3> z;     ///< and their depth along the ray's main axis
   std::array<PerLane<Index>, 3> ids;
   PerLane<Ref> ref;
-  PerLane<Index> apex;    ///< the tetrahedron's fourth vertex; any that exists where `ref` is no tetrahedron
-  PerLane<Index> tet;     ///< where the walk comes from: what the tetrahedron knows its entry face by
-  PerLane<Ref> previous;  ///< and by what it entered that one
-
-  // From one half of a step to the other.
-  PerLane<Index> edges;             ///< ids[0] ^ ids[1] ^ ids[2]
-  PerLane<Index> at;                ///< where among the cells' words `ref` is found
-  PerLane<Index> at_entry;          ///< of 16-byte cells also this word
-  PerLane<Index> keep, keep_entry;  ///< and what counts of the two: all bits or none
+  PerLane<Index> apex;  ///< the tetrahedron's fourth vertex; any that exists where `ref` is no tetrahedron
+  PerLane<Index> tet;   ///< where the walk comes from: what the tetrahedron knows its entry face by
 
   // Of the ray. Axes in the order i, j, k of ShearProjection.
   std::array<PerLane<float>, 3> origin;
@@ -48,14 +41,42 @@ struct alignas(64) Lanes {
   PerLane<float> sign_k;  ///< 1 or -1: whether the ray goes up or down its main axis
   PerLane<float> error;   ///< a cross product is certain beyond error (|x| + |y| of both points) + square
   PerLane<float> square;
-  PerLane<float> limit;   ///< the depth beyond which the ray has certainly ended
-  PerLane<Index> target;  ///< the tetrahedron in which the ray ends; kNone: in none
+  PerLane<float> limit;         ///< the depth beyond which the ray has certainly ended
+  PerLane<std::uint32_t> axes;  ///< k; or k + 3, with i and j swapped
+  PerLane<Index> target;        ///< the tetrahedron in which the ray ends; kNone: in none
+  PerLane<std::uint32_t> ray;   ///< its number in the batch
+};
+
+/// The walks under way.
+struct Lanes : Walks {
+  PerLane<Ref> previous;  ///< by what the walk entered `tet`
+
+  // From one half of a step to the other.
+  PerLane<Index> edges;             ///< ids[0] ^ ids[1] ^ ids[2]
+  PerLane<Index> at;                ///< where among the cells' words `ref` is found
+  PerLane<Index> at_entry;          ///< of 16-byte cells also this word
+  PerLane<Index> keep, keep_entry;  ///< and what counts of the two: all bits or none
+
   /// Moves the bytes of (anything, x, y, z) to (anything, i, j, k). In the order in which corners are loaded:
   /// shuffle_slot().
   alignas(64) std::array<std::array<std::uint8_t, 16>, kLanes> shuffle;
-
   LaneMask walking = 0;  ///< lanes whose walks go on
-  PerLane<std::uint32_t> ray;
+};
+
+/// Walks that are to begin.
+struct Starts : Walks {
+  // Given, with ids, ref, apex, tet, target, ray:
+  std::array<PerLane<float>, 3> position, direction;  ///< rounded
+  PerLane<float> t_max;
+  PerLane<std::uint32_t> certain;  ///< 1: the ray goes through the face; 0: it is on it, and may not leave it
+
+  /// Found, with all the rest:
+  enum Status : std::uint32_t {
+    ready,
+    unsure,   ///< float32 cannot tell whether the ray leaves its face
+    unusual,  ///< no direction, far too large or small, or not a number
+  };
+  PerLane<std::uint32_t> status;
 };
 
 /// The rays exactly, for signs that float32 does not certify.
@@ -78,10 +99,14 @@ struct Waiting {
 using Advance = Waiting (*)(const FileView& view, const Lines& lines, Lanes& lanes);
 inline constexpr Index kMaxBatchTets = (Index{1} << 31) / 5;
 
+/// Fills in what is not given. All ids must exist, also those of starts that are not used.
+using Prepare = void (*)(const FileView& view, Starts& starts);
+
 /// Compiled for one kind of processor.
 struct BatchTarget {
   const char* name;
   std::size_t width;  ///< lanes in a vector
+  Prepare prepare;
   Advance advance;
 };
 
