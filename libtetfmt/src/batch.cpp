@@ -289,8 +289,11 @@ class Run final : Lines {
   void move_walk(const Walks& from, std::size_t n, std::size_t lane) {
     const auto* source = reinterpret_cast<const std::byte*>(&from) + 4 * n;
     auto* target = reinterpret_cast<std::byte*>(static_cast<Walks*>(&lanes_)) + 4 * lane;
-    for (std::size_t offset = 0; offset < sizeof(Walks); offset += sizeof(PerLane<Index>))
-      std::memcpy(target + offset, source + offset, 4);
+    [&]<std::size_t... kField>(std::index_sequence<kField...>) {
+      (std::memcpy(target + kField * sizeof(PerLane<Index>), source + kField * sizeof(PerLane<Index>), 4),
+       ...);
+    }
+    (std::make_index_sequence<sizeof(Walks) / sizeof(PerLane<Index>)>());
   }
 
   /// Until there are walks to begin; false if there are no more rays.

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <utility>
+#include <type_traits>
 #include <vector>
 
 #include "cells.hpp"
@@ -39,14 +39,20 @@ static_assert(kWidth == 1 || kWidth % 4 == 0);
 #endif
 constexpr int kSteps = STEPS;
 
-static_assert(std::endian::native == std::endian::little);
+// (A number of just as many bytes as Highway stores: a wider one would wait for the memory.)
+using MaskBits = std::conditional_t<kWidth == 16, std::uint16_t, std::uint8_t>;
+static_assert(kWidth <= 16 && std::endian::native == std::endian::little);
 HWY_INLINE LaneMask to_bits(M mask) {
   std::array<std::uint8_t, 8> bytes{};
   hn::StoreMaskBits(Ids(), mask, bytes.data());
-  return std::bit_cast<LaneMask>(bytes);
+  MaskBits bits;
+  std::memcpy(&bits, bytes.data(), sizeof bits);
+  return bits;
 }
-HWY_INLINE M from_bits(LaneMask bits) {
-  const auto bytes = std::bit_cast<std::array<std::uint8_t, 8>>(bits);
+HWY_INLINE M from_bits(LaneMask lanes) {
+  std::array<std::uint8_t, 8> bytes{};
+  const auto bits = static_cast<MaskBits>(lanes);
+  std::memcpy(bytes.data(), &bits, sizeof bits);
   return hn::LoadMaskBits(Ids(), bytes.data());
 }
 template <class Mask>
