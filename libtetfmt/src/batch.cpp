@@ -348,8 +348,7 @@ class Run final : Lines {
       if (can_be_followed(line)) {
         const auto passage = first_passage(view_, cells_, Signs(line, view_.bounds(), view_.vertices(), {}),
                                            line, *asked_.from(ray));
-        if (passage && passage->ref < view_.tet_count() &&
-            !(passage->steps == 1 && passage->ref == asked_.target(ray))) {
+        if (passage && passage->ref < view_.tet_count() && passage->ref != asked_.target(ray)) {
           unsure_.push_back({ray, *passage});
           return;
         }
