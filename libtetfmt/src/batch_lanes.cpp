@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "batch_lanes.cpp"
 #include <hwy/foreach_target.h>
 //
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <bit>
@@ -34,10 +35,13 @@ constexpr std::size_t kWidth = hn::MaxLanes(Floats());
 static_assert(kWidth == 1 || kWidth % 4 == 0);
 
 /// Steps between two looks at lanes that wait.
+#ifndef LAG
+#define LAG kVectors / 2
+#endif
 #ifndef STEPS
 #define STEPS 4
 #endif
-constexpr int kSteps = STEPS;
+constexpr std::size_t kSteps = STEPS;
 
 // (A number of just as many bytes as Highway stores: a wider one would wait for the memory.)
 using MaskBits = std::conditional_t<kWidth == 16, std::uint16_t, std::uint8_t>;
@@ -129,9 +133,10 @@ class Walk {
 
   Waiting run() {
     const LaneMask started = lanes_.walking;
-    for (int i = 0; i < kSteps; ++i) {
+    for (std::size_t step = 0; step < kSteps; ++step) {
       for (std::size_t first = 0; first < kLanes; first += kWidth) cross(first);
-      fetch();
+      for (std::size_t first = 0; first < kLanes; first += kWidth) fetch_refs(first);
+      for (std::size_t first = 0; first < kLanes; first += kWidth) fetch_apexes(first);
     }
     Waiting waiting;
     for (std::size_t first = 0; first < kLanes; first += kWidth) stop_arrived(first);
@@ -156,22 +161,32 @@ class Walk {
     stop(first, arrived(hn::Load(Ids(), &lanes_.ref[first]), first));
   }
 
-  /// What lies across the faces, and the vertex that comes with it.
-  HWY_INLINE void fetch() {
+  /// What lies across the faces; and has memory look for it. (Lane by lane: faster than gathers, by far.)
+  HWY_INLINE void fetch_refs(std::size_t first) {
     Lanes& lanes = lanes_;
     const std::uint32_t* const cells = cells_;
-    const Index tet_count = view_.tet_count(), vertex_count = static_cast<Index>(view_.vertices().size());
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const Index tet_count = view_.tet_count();
+    for (std::size_t lane = first; lane < first + kWidth; ++lane) {
       Ref ref = cells[lanes.at[lane]];
       if constexpr (Cells::kNeedsEntryRank)
         ref = lanes.previous[lane] ^ (ref & lanes.keep[lane]) ^
               (cells[lanes.at_entry[lane]] & lanes.keep_entry[lane]);
       lanes.ref[lane] = ref;
-      // No branch: what does not exist is read from cell 0, and not used.
-      const Index exists = Index{0} - static_cast<Index>(ref < tet_count);
-      Index apex = (cells[std::size_t{kStride} * (ref & exists)] ^ lanes.edges[lane]) & exists;
+      const Index tet = ref & (Index{0} - static_cast<Index>(ref < tet_count));  // no branch
+      lanes.cell[lane] = kStride * tet;
+      hwy::Prefetch(cells + kStride * tet);
+    }
+  }
+
+  /// The vertices that come with the tetrahedra.
+  HWY_INLINE void fetch_apexes(std::size_t first) {
+    Lanes& lanes = lanes_;
+    const std::uint32_t* const cells = cells_;
+    const auto vertex_count = static_cast<Index>(view_.vertices().size());
+    for (std::size_t lane = first; lane < first + kWidth; ++lane) {
+      Index apex = cells[lanes.cell[lane]] ^ lanes.edges[lane];
       if (HWY_UNLIKELY(apex >= vertex_count)) {
-        corrupt_ |= LaneMask{1} << lane & lanes.walking;
+        if (lanes.ref[lane] < view_.tet_count()) corrupt_ |= LaneMask{1} << lane & lanes.walking;
         apex = 0;
       }
       lanes.apex[lane] = apex;

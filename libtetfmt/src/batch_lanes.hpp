@@ -53,6 +53,7 @@ struct Lanes : Walks {
 
   // From one half of a step to the other.
   PerLane<Index> edges;             ///< ids[0] ^ ids[1] ^ ids[2]
+  PerLane<Index> cell;              ///< where among the cells' words that of `ref` begins, if there is one
   PerLane<Index> at;                ///< where among the cells' words `ref` is found
   PerLane<Index> at_entry;          ///< of 16-byte cells also this word
   PerLane<Index> keep, keep_entry;  ///< and what counts of the two: all bits or none
