@@ -22,6 +22,9 @@ const FileView& file_of(const TrustedView& view) {
   return view.view();
 }
 
+/// Copied at once; a Hit made where it is needed is put together piece by piece.
+const Hit kMiss;
+
 /// The end of a ray at a constrained face.
 enum class AtFace { hit, miss, through };
 
@@ -80,13 +83,13 @@ class FirstHits : public RayBatch<View> {
             std::span<Hit> hits)
       : RayBatch<View>(view, places, rays), hits_(hits) {}
   void corrupt(std::size_t i) const {
-    hits_[i] = {};
+    hits_[i] = kMiss;
     hits_[i].outcome = Outcome::corrupt;
   }
-  void miss(std::size_t i) const { hits_[i] = {}; }
+  void miss(std::size_t i) const { hits_[i] = kMiss; }
   void hit(std::size_t i, const Leaving& leaving) const {
     Hit& hit = hits_[i];
-    hit = {};
+    hit = kMiss;
     describe_hit(this->file_, this->flat_line(i, *this->from(i)), leaving, hit);
     const Interval& interval = this->rays_[i].interval;
     if (hit.outcome == Outcome::hit) hit.t = std::clamp(hit.t, std::max(interval.t_min, 0.0), interval.t_max);
@@ -214,11 +217,8 @@ class Run final : Lines {
     for (std::size_t lane = 0; lane < kLanes; ++lane) refill(lane);
     while (lanes_.walking != 0) {
       const Waiting waiting = target_.advance(view_, *this, lanes_);
-      for (LaneMask rest = waiting.ended; rest != 0; rest &= rest - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
-        asked_.miss(lanes_.ray[lane]);
-        refill(lane);
-      }
+      for (LaneMask rest = waiting.ended; rest != 0; rest &= rest - 1)
+        refill(static_cast<std::size_t>(std::countr_zero(rest)));
       for (LaneMask rest = waiting.arrived; rest != 0; rest &= rest - 1)
         arrive(static_cast<std::size_t>(std::countr_zero(rest)));
       for (LaneMask rest = waiting.corrupt; rest != 0; rest &= rest - 1)
@@ -248,10 +248,7 @@ class Run final : Lines {
   void arrive(std::size_t lane) {
     const std::size_t ray = lanes_.ray[lane];
     const Ref ref = lanes_.ref[lane];
-    if (!is_side(ref)) {
-      asked_.miss(ray);
-      return refill(lane);
-    }
+    if (!is_side(ref)) return refill(lane);
     const Leaving leaving{lanes_.tet[lane],
                           lanes_.previous[lane],
                           {lanes_.ids[0][lane], lanes_.ids[1][lane], lanes_.ids[2][lane]},
@@ -264,7 +261,6 @@ class Run final : Lines {
         asked_.hit(ray, leaving);
         return refill(lane);
       case AtFace::miss:
-        asked_.miss(ray);
         return refill(lane);
       case AtFace::through:
         break;
@@ -324,6 +320,7 @@ class Run final : Lines {
       asked_.corrupt(ray);
       return false;
     }
+    asked_.miss(ray);  // until it meets something
     using State = Location::State;
     const bool inside = from->state == State::inside;
     if (!asked_.ordinary(ray) || !(inside || from->state == State::outside) ||
@@ -352,7 +349,7 @@ class Run final : Lines {
           unsure_.push_back({ray, *passage});
           return;
         }
-        if (!passage && asked_.from(ray)->state == Location::State::outside) return asked_.miss(ray);
+        if (!passage && asked_.from(ray)->state == Location::State::outside) return;
       }
     }
     asked_.alone(ray);

@@ -8,6 +8,8 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "common/failure.hpp"
 #include "common/output.hpp"
@@ -19,6 +21,7 @@
 #include "tet/command.hpp"
 #include "tet/ray_answers.hpp"
 #include "tet/ray_file.hpp"
+#include "tetfmt/batch.hpp"
 #include "tetfmt/traverse.hpp"
 
 namespace tetprep {
@@ -100,35 +103,98 @@ bool storable(const tetfmt::Ray& ray) {
   return finite(ray.origin) && finite(ray.direction);
 }
 
-/// Answers rays of the block until it is done or full, or until something is wrong with one.
-void answer_block(const QueryOptions& options, const tetfmt::FileView& view, const RayFile& rays,
-                  Block& block) {
-  std::optional<tetfmt::Cell> near;
-  std::optional<tetfmt::Vec3f> located;
-  tetfmt::Location location;
-  for (; block.next < block.end && block.rows.bytes().size() < kBlockBytes; ++block.next) {
-    const std::size_t i = block.next;
-    const GivenRay given = rays[i];
-    const tetfmt::Ray ray = local_ray(given, view.header().origin, options.model_space, block.remarks);
+/// The rays of a block, one by one as the file gives them, with the places where they start.
+class BlockRays {
+ public:
+  BlockRays(const QueryOptions& options, const tetfmt::FileView& view, const RayFile& rays)
+      : options_(options), view_(view), rays_(rays) {}
+
+  /// Takes the block's next ray; false if it cannot be answered (the block says why).
+  bool take(std::size_t i, Block& block) {
+    const GivenRay given = rays_[i];
+    const tetfmt::Ray ray = local_ray(given, view_.header().origin, options_.model_space, block.remarks);
     block.unstorable = !storable(ray);
-    if (block.unstorable) return;
+    if (block.unstorable) return false;
     if (ray.direction == tetfmt::Vec3f{}) block.remarks.directionless.add(i);
     if (given.interval.t_max < std::max(given.interval.t_min, 0.0)) block.remarks.empty.add(i);
-    if (located != ray.origin) {
-      location = tetfmt::locate(view, ray.origin, near ? &*near : nullptr);
-      located = ray.origin;
-      if (location.state == tetfmt::Location::State::inside) near = location.cell;
+    if (located_ != ray.origin) {
+      location = tetfmt::locate(view_, ray.origin, near_ ? &*near_ : nullptr);
+      located_ = ray.origin;
+      ++places;
+      if (location.state == tetfmt::Location::State::inside) near_ = location.cell;
     }
-    const Asked asked{view,          location,       static_cast<std::int64_t>(i),
-                      ray.direction, given.interval, options.kernel};
-    const Answered answered = location.state == tetfmt::Location::State::corrupt
-                                  ? Answered::corrupt
-                                  : answer_ray(options.answer, asked, block.rows);
-    block.corrupt = answered == Answered::corrupt;
-    if (block.corrupt) return;
-    if (answered == Answered::absent) block.remarks.absent.add(i);
-    if (answered == Answered::lost) block.remarks.lost.add(i);
+    direction = ray.direction;
+    interval = given.interval;
+    block.corrupt = location.state == tetfmt::Location::State::corrupt;
+    return !block.corrupt;
   }
+
+  // Of the ray taken last.
+  tetfmt::Location location;
+  std::size_t places = 0;  ///< how many there were, up to this one
+  tetfmt::Vec3f direction;
+  tetfmt::Interval interval;
+
+ private:
+  const QueryOptions& options_;
+  const tetfmt::FileView& view_;
+  const RayFile& rays_;
+  std::optional<tetfmt::Cell> near_;
+  std::optional<tetfmt::Vec3f> located_;
+};
+
+/// Notes how the ray `next` was answered, and goes on to the one after; false if it was not.
+bool answered(Block& block, Answered how) {
+  block.corrupt = how == Answered::corrupt;
+  if (block.corrupt) return false;
+  if (how == Answered::absent) block.remarks.absent.add(block.next);
+  if (how == Answered::lost) block.remarks.lost.add(block.next);
+  ++block.next;
+  return true;
+}
+
+/// Answers rays of the block until it is done or full, or until something is wrong with one.
+void answer_one_by_one(const QueryOptions& options, const tetfmt::FileView& view, const RayFile& rays,
+                       Block& block) {
+  BlockRays ray(options, view, rays);
+  while (block.next < block.end && block.rows.bytes().size() < kBlockBytes && ray.take(block.next, block)) {
+    const Asked asked{view,          ray.location, static_cast<std::int64_t>(block.next),
+                      ray.direction, ray.interval, options.kernel};
+    if (!answered(block, answer_ray(options.answer, asked, block.rows))) return;
+  }
+}
+
+/// The same for answers of one row, by exact signs: all rays of the block together.
+template <class Reply>
+void answer_together(const QueryOptions& options, const tetfmt::FileView& view, const RayFile& rays,
+                     Block& block,
+                     void (*ask)(const tetfmt::FileView&, std::span<const tetfmt::Location>,
+                                 std::span<const tetfmt::BatchRay>, std::span<Reply>)) {
+  std::vector<tetfmt::Location> places;
+  std::vector<tetfmt::BatchRay> batch;
+  BlockRays ray(options, view, rays);
+  while (block.next + batch.size() < block.end && ray.take(block.next + batch.size(), block)) {
+    if (places.size() < ray.places) places.push_back(ray.location);
+    batch.push_back({static_cast<std::uint32_t>(places.size() - 1), ray.direction, ray.interval});
+  }
+  std::vector<Reply> answers(batch.size());
+  ask(view, places, batch, answers);
+  const bool unstorable = std::exchange(block.unstorable, false), corrupt = block.corrupt;
+  for (const Reply& answer : answers)
+    if (!answered(block, add_row(answer, block.rows))) return;  // of two rays, the first one counts
+  block.unstorable = unstorable;
+  block.corrupt = corrupt;
+}
+
+void answer_block(const QueryOptions& options, const tetfmt::FileView& view, const RayFile& rays,
+                  Block& block) {
+  const bool together = options.kernel == tetfmt::Kernel::exact;
+  if (together && options.answer == Answer::first)
+    answer_together<tetfmt::Hit>(options, view, rays, block, tetfmt::trace_batch);
+  else if (together && options.answer == Answer::any)
+    answer_together<tetfmt::Outcome>(options, view, rays, block, tetfmt::occlude_batch);
+  else
+    answer_one_by_one(options, view, rays, block);
 }
 
 /// All blocks, several at a time; written in their order.

@@ -66,30 +66,12 @@ Answered first(const Asked& asked, Rows& rows) {
     hit = {};
     answered = Answered::lost;
   }
-  constexpr std::int32_t kNo = -1;
-  switch (hit.outcome) {
-    case Outcome::corrupt:
-      return Answered::corrupt;
-    case Outcome::absent:
-      rows.add(std::int32_t{-2}, kNaN, 0.0, 0.0, kNo, kNo, kNo);
-      return Answered::absent;
-    case Outcome::miss:
-      rows.add(kNo, hit.t, 0.0, 0.0, kNo, kNo, kNo);
-      return answered;
-    case Outcome::hit:
-      break;
-  }
-  rows.add(signed_index(hit.triangle), hit.t, hit.u, hit.v, std::int32_t{hit.back}, signed_index(hit.tet),
-           signed_index(hit.neighbor));
-  return answered;
+  const Answered added = add_row(hit, rows);
+  return added == Answered::fully ? answered : added;
 }
 
 Answered any(const Asked& asked, Rows& rows) {
-  const Outcome outcome = tetfmt::occlusion(asked.view, asked.from, asked.direction, asked.interval);
-  if (outcome == Outcome::corrupt) return Answered::corrupt;
-  const bool absent = outcome == Outcome::absent;
-  rows.add(std::int32_t{absent ? -2 : outcome == Outcome::hit ? 1 : 0});
-  return absent ? Answered::absent : Answered::fully;
+  return add_row(tetfmt::occlusion(asked.view, asked.from, asked.direction, asked.interval), rows);
 }
 
 Answered all(const Asked& asked, Rows& rows) {
@@ -160,6 +142,32 @@ std::span<const Column> columns_of(Answer answer) {
       break;
   }
   return kFirst;
+}
+
+Answered add_row(const Hit& hit, Rows& rows) {
+  constexpr std::int32_t kNo = -1;
+  switch (hit.outcome) {
+    case Outcome::corrupt:
+      return Answered::corrupt;
+    case Outcome::absent:
+      rows.add(std::int32_t{-2}, kNaN, 0.0, 0.0, kNo, kNo, kNo);
+      return Answered::absent;
+    case Outcome::miss:
+      rows.add(kNo, hit.t, 0.0, 0.0, kNo, kNo, kNo);
+      return Answered::fully;
+    case Outcome::hit:
+      break;
+  }
+  rows.add(signed_index(hit.triangle), hit.t, hit.u, hit.v, std::int32_t{hit.back}, signed_index(hit.tet),
+           signed_index(hit.neighbor));
+  return Answered::fully;
+}
+
+Answered add_row(Outcome outcome, Rows& rows) {
+  if (outcome == Outcome::corrupt) return Answered::corrupt;
+  const bool absent = outcome == Outcome::absent;
+  rows.add(std::int32_t{absent ? -2 : outcome == Outcome::hit ? 1 : 0});
+  return absent ? Answered::absent : Answered::fully;
 }
 
 Answered answer_ray(Answer answer, const Asked& asked, Rows& rows) {

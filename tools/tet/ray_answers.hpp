@@ -43,4 +43,8 @@ enum class Answered {
 /// Adds the rows that answer one ray.
 Answered answer_ray(Answer answer, const Asked& asked, Rows& rows);
 
+/// The same for an answer that is there, by exact signs: to Answer::first, and to Answer::any.
+Answered add_row(const tetfmt::Hit& hit, Rows& rows);
+Answered add_row(tetfmt::Outcome outcome, Rows& rows);
+
 }  // namespace tetprep
