@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // Any rays through valid files: the fuzzer's bytes choose one of a few small meshes, then places, directions
 // and intervals of any bits. Whatever they are, both layouts, checked and trusted, and every exact variant of
-// the walk, alone or in a tile of others, give one answer; nothing is corrupt; no ray that leaves a face
+// the walk, alone, in a tile or in a batch, give one answer; nothing is corrupt; no ray that leaves a face
 // meets it; intervals that share an end share no hit and lose none; closed surfaces are crossed in pairs.
 #include <array>
 #include <cmath>
@@ -16,6 +16,7 @@
 #include "fuzz/fuzz_support.hpp"
 #include "support/same.hpp"
 #include "support/shear.hpp"
+#include "tetfmt/batch.hpp"
 #include "tetfmt/encode.hpp"
 #include "tetfmt/kernels.hpp"
 #include "tetfmt/traverse.hpp"
@@ -187,6 +188,23 @@ void check(std::span<const std::byte> bytes) {
     });
     for (std::size_t i = 0; i < directions.size(); ++i)
       require(same_but_for_steps(together[i], first_hit(mesh.tet16.trusted, from, directions[i])));
+    // In a batch, from both places, with and without ends.
+    const std::vector<Location> places = {start, from};
+    std::vector<BatchRay> rays;
+    for (std::uint32_t i = 0; i < directions.size(); ++i)
+      rays.push_back({i / 2 % 2, directions[i], i % 2 == 0 ? Interval{} : Interval{t_min, t_max}});
+    const std::vector<Hit> in_batch = mesh.by_all([&](const auto& view) {
+      std::vector<Hit> hits(rays.size());
+      trace_batch(view, places, rays, hits);
+      return hits;
+    });
+    std::vector<Outcome> blocked(rays.size());
+    occlude_batch(mesh.tet20.trusted, places, rays, blocked);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Location& place = places[rays[i].from];
+      const Hit one = first_hit(mesh.tet16.trusted, place, rays[i].direction, rays[i].interval);
+      require(same_but_for_steps(in_batch[i], one) && blocked[i] == one.outcome);
+    }
     // Any place sees itself, and whoever sees is seen.
     const auto sees = [&](const Location& a, const Location& b) {
       return mesh.by_all([&](const auto& view) { return occlusion(view, a, b); });
@@ -195,6 +213,9 @@ void check(std::span<const std::byte> bytes) {
     require(there != Outcome::corrupt && back != Outcome::corrupt);
     using enum Location::State;
     if (start.state != absent && from.state != absent) require(there == back);
+    std::array<Outcome, 2> segments{};
+    occlude_batch(mesh.tet16.trusted, places, std::array{BatchSegment{0, 1}, BatchSegment{1, 0}}, segments);
+    require(segments[0] == there && segments[1] == back);
     if (start.state != absent && finite(origin)) require(sees(start, start) == Outcome::miss);
 
     if (hit.outcome != Outcome::hit) break;
