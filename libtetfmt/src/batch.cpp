@@ -246,31 +246,25 @@ class Run final : Lines {
   }
 
   void arrive(std::size_t lane) {
-    const std::size_t ray = lanes_.ray[lane];
+    const std::uint32_t ray = lanes_.ray[lane];
     const Ref ref = lanes_.ref[lane];
-    if (!is_side(ref)) return refill(lane);
-    const Leaving leaving{lanes_.tet[lane],
-                          lanes_.previous[lane],
-                          {lanes_.ids[0][lane], lanes_.ids[1][lane], lanes_.ids[2][lane]},
-                          kNone,
-                          kNone,
-                          ref,
-                          0};
-    switch (asked_.at_face(ray, leaving)) {
-      case AtFace::hit:
-        asked_.hit(ray, leaving);
-        return refill(lane);
-      case AtFace::miss:
-        return refill(lane);
-      case AtFace::through:
-        break;
-    }
+    const std::array<Index, 3> ids = {lanes_.ids[0][lane], lanes_.ids[1][lane], lanes_.ids[2][lane]};
+    if (ends_at(ray, lanes_.tet[lane], ids, ref)) return refill(lane);
     const Index beyond = twin(side_index(ref));
     const auto sides = view_.sides();
     if (beyond >= sides.size() || sides[beyond].tet >= view_.tet_count()) return give_up(lane);
-    const std::array<Index, 3> ids = leaving.ids;
     if (!enter(lane, {side_ref(beyond), ids, sides[beyond].tet, 0})) return give_up(lane);
     lanes_.walking |= LaneMask{1} << lane;
+  }
+
+  /// Answers a ray that leaves `tet` through the face `ids` to something else than a tetrahedron it goes on
+  /// in; false if it passes through.
+  bool ends_at(std::uint32_t ray, Index tet, const std::array<Index, 3>& ids, Ref ref) {
+    if (!is_side(ref)) return true;
+    const Leaving leaving{tet, kHull, ids, kNone, kNone, ref, 0};
+    const AtFace what = asked_.at_face(ray, leaving);
+    if (what == AtFace::hit) asked_.hit(ray, leaving);
+    return what != AtFace::through;
   }
 
   /// Gives the lane the next walk, if there is one.
@@ -296,18 +290,21 @@ class Run final : Lines {
   bool prepare_more() {
     do {
       std::size_t count = 0;
-      for (const auto& [ray, passage] : unsure_) count += stage(count, ray, passage, true);
-      unsure_.clear();
-      while (count + unsure_.size() < kLanes && next_ < asked_.size()) count += begin(count, next_++);
+      for (const auto& [ray, passage] : known_) {
+        starts_.kind[count] = Starts::known;
+        count += stage(count, ray, passage);
+      }
+      known_.clear();
+      while (count + known_.size() < kLanes && next_ < asked_.size()) count += begin(count, next_++);
       begun_ = starts_ready_ = 0;
-      if (count == 0 && unsure_.empty()) return false;
+      if (count == 0 && known_.empty()) return false;
       if (count == 0) continue;
       target_.prepare(view_, starts_);
       for (std::size_t n = 0; n < count; ++n) {
         if (starts_.status[n] == Starts::ready)
           order_[starts_ready_++] = static_cast<std::uint8_t>(n);
         else
-          begin_exactly(starts_.ray[n], starts_.status[n]);
+          begin_otherwise(starts_.ray[n], starts_.status[n]);
       }
     } while (starts_ready_ == 0);
     return true;
@@ -328,36 +325,48 @@ class Run final : Lines {
       asked_.alone(ray);
       return false;
     }
-    if (!inside || from->face >= kOutwardFaces.size()) {
-      begin_exactly(static_cast<std::uint32_t>(ray), Starts::unsure);
+    const auto number = static_cast<std::uint32_t>(ray);
+    if (!inside) {
+      begin_otherwise(number, Starts::unsure);
       return false;
     }
-    const auto& v = from->cell.vertices;
-    const auto& f = kInwardFaces[from->positive][from->face];
-    return stage(n, static_cast<std::uint32_t>(ray),
-                 {from->cell.neighbors[from->face], {v[f[0]], v[f[1]], v[f[2]]}, from->cell.tet, 0}, false);
-  }
-
-  /// A ray that begins in no face's plane, or not certainly on its near side.
-  void begin_exactly(std::uint32_t ray, std::uint32_t status) {
-    if (status == Starts::unsure) {
-      const Line line = asked_.line(ray);
-      if (can_be_followed(line)) {
-        const auto passage = first_passage(view_, cells_, Signs(line, view_.bounds(), view_.vertices(), {}),
-                                           line, *asked_.from(ray));
-        if (passage && passage->ref < view_.tet_count() && passage->ref != asked_.target(ray)) {
-          unsure_.push_back({ray, *passage});
-          return;
-        }
-        if (!passage && asked_.from(ray)->state == Location::State::outside) return;
-      }
+    const auto& [tet, v, neighbors] = from->cell;
+    starts_.positive[n] = from->positive ? ~std::uint32_t{0} : 0;
+    if (from->face >= kOutwardFaces.size()) {
+      starts_.kind[n] = Starts::within;
+      return stage(n, number, {kHull, {v[0], v[1], v[2]}, tet, 0}, v[3]);
     }
-    asked_.alone(ray);
+    starts_.kind[n] = Starts::on_face;
+    const auto& f = kInwardFaces[from->positive][from->face];
+    return stage(n, number, {neighbors[from->face], {v[f[0]], v[f[1]], v[f[2]]}, tet, 0});
   }
 
-  bool stage(std::size_t n, std::uint32_t ray, const Passage& passage, bool certain) {
+  /// A ray that is not ready to go by its first tetrahedron.
+  void begin_otherwise(std::uint32_t ray, std::uint32_t status) {
+    const Location& from = *asked_.from(ray);
+    std::optional<Passage> passage;
+    if (status <= Starts::exit3) {
+      const auto& v = from.cell.vertices;
+      const auto& f = kInwardFaces[!from.positive][status];  // outwards, that is
+      passage = Passage{from.cell.tet, {v[f[0]], v[f[1]], v[f[2]]}, from.cell.neighbors[status], 1};
+    } else if (status == Starts::unsure) {
+      const Line line = asked_.line(ray);
+      if (!can_be_followed(line)) return asked_.alone(ray);
+      passage = first_passage(view_, cells_, Signs(line, view_.bounds(), view_.vertices(), {}), line, from);
+      if (!passage && from.state == Location::State::outside) return;  // a miss
+    }
+    if (!passage) return asked_.alone(ray);
+    const Ref ref = passage->ref;
+    if (ref < view_.tet_count() && ref != asked_.target(ray))
+      known_.push_back({ray, *passage});
+    else if (passage->steps == 0 || ref < kSideBit || !ends_at(ray, from.cell.tet, passage->ids, ref))
+      asked_.alone(ray);
+  }
+
+  /// `apex` is computed unless it is known.
+  bool stage(std::size_t n, std::uint32_t ray, const Passage& passage, std::optional<Index> known_apex = {}) {
     const auto& [i0, i1, i2] = passage.ids;
-    const Index apex = cells_.vertex_xor(passage.ref) ^ i0 ^ i1 ^ i2;
+    const Index apex = known_apex ? *known_apex : cells_.vertex_xor(passage.ref) ^ i0 ^ i1 ^ i2;
     if (apex >= view_.vertices().size()) {
       asked_.alone(ray);
       return false;
@@ -371,7 +380,6 @@ class Run final : Lines {
     starts_.apex[n] = apex;
     starts_.target[n] = asked_.target(ray);
     starts_.ray[n] = ray;
-    starts_.certain[n] = certain;
     return true;
   }
 
@@ -399,7 +407,7 @@ class Run final : Lines {
     std::uint32_t ray;
     Passage passage;
   };
-  std::vector<Begun> unsure_;  ///< rays whose first passage is known
+  std::vector<Begun> known_;  ///< rays whose first passage is known, not yet staged
   std::size_t begun_ = 0, starts_ready_ = 0;
   std::array<std::uint8_t, kLanes> order_{};  ///< of the starts that are ready
   Starts starts_{};

@@ -360,6 +360,31 @@ HWY_INLINE Points minus(const Points& p, const Points& q) {
   return {hn::Sub(p.x, q.x), hn::Sub(p.y, q.y), hn::Sub(p.z, q.z)};
 }
 
+/// By which face rays leave the tetrahedra that they start in: section 5 of the spec, "Starting inside".
+HWY_INLINE U exits(const Points& x, const Points& y, F x3, F y3, F error, U positive) {
+  const Floats f;
+  const Ids u;
+  M sure = as_ids(hn::Eq(error, error));
+  const F square =
+      hn::MulAdd(hn::Mul(hn::Set(f, 4), error), error, hn::Set(f, std::numeric_limits<float>::min()));
+  const auto left = [&](F ax, F ay, F bx, F by) HWY_ATTR {
+    const F cross = hn::MulSub(ax, by, hn::Mul(ay, bx));
+    const F size = hn::Add(hn::Add(hn::Abs(ax), hn::Abs(ay)), hn::Add(hn::Abs(bx), hn::Abs(by)));
+    sure = hn::And(sure, as_ids(hn::Gt(hn::Abs(cross), hn::MulAdd(error, size, square))));
+    return hn::Xor(as_ids(hn::Lt(cross, hn::Zero(f))), hn::Ne(positive, hn::Zero(u)));
+  };
+  const M l01 = left(x.x, y.x, x.y, y.y), l02 = left(x.x, y.x, x.z, y.z), l03 = left(x.x, y.x, x3, y3);
+  const M l12 = left(x.y, y.y, x.z, y.z), l13 = left(x.y, y.y, x3, y3), l23 = left(x.z, y.z, x3, y3);
+  // kOutwardFaces, edge by edge.
+  const M exit0 = hn::AndNot(l13, hn::And(l12, l23)), exit1 = hn::AndNot(hn::Or(l23, l02), l03),
+          exit2 = hn::AndNot(l03, hn::And(l01, l13)), exit3 = hn::AndNot(hn::Or(l12, l01), l02);
+  U exit = hn::Set(u, Starts::unsure);
+  exit = select(hn::And(exit0, sure), hn::Set(u, Starts::exit0), exit);
+  exit = select(hn::And(exit1, sure), hn::Set(u, Starts::exit1), exit);
+  exit = select(hn::And(exit2, sure), hn::Set(u, Starts::exit2), exit);
+  return select(hn::And(exit3, sure), hn::Set(u, Starts::exit3), exit);
+}
+
 /// The bounds are those of the spec.
 HWY_INLINE void prepare(const FileView& view, Starts& starts, std::size_t first) {
   const Floats f;
@@ -411,7 +436,9 @@ HWY_INLINE void prepare(const FileView& view, Starts& starts, std::size_t first)
   const F bound = hn::MulAdd(hn::Mul(set(128 * 0x1p-24f), largest(b.x, b.y, b.z)), largest(c.x, c.y, c.z),
                              set(std::numeric_limits<float>::min()));
   const M through = as_ids(hn::Gt(hn::MulSub(bx, cy, hn::Mul(by, cx)), bound));
-  const M given = hn::Ne(hn::Load(u, &starts.certain[first]), hn::Zero(u));
+  const U kind = hn::Load(u, &starts.kind[first]);
+  const M known = hn::Eq(kind, hn::Set(u, Starts::known)),
+          within_cell = hn::Eq(kind, hn::Set(u, Starts::within));
 
   const auto within = [&](F value, float least, float most) HWY_ATTR {
     return as_ids(hn::And(hn::Ge(value, set(least)), hn::Le(value, set(most))));
@@ -420,9 +447,17 @@ HWY_INLINE void prepare(const FileView& view, Starts& starts, std::size_t first)
                            within(hn::Add(hn::Abs(slope_i), hn::Abs(slope_j)), 0, 2));
   const M usual =
       hn::And(finite, hn::And(within(reach, 0x1p-50f, 0x1p50f), within(length, 0x1p-60f, 0x1p60f)));
-  const U ready = hn::Set(u, Starts::ready), unsure = hn::Set(u, Starts::unsure),
-          unusual = hn::Set(u, Starts::unusual);
-  hn::Store(select(usual, select(hn::Or(through, given), ready, unsure), unusual), u, &starts.status[first]);
+
+  const auto status = [&](std::uint32_t value) HWY_ATTR { return hn::Set(u, value); };
+  U found = select(hn::Or(through, known), status(Starts::ready), status(Starts::unsure));
+  if (!hn::AllFalse(u, within_cell)) {
+    const Points apex =
+        minus(order(load_points(view.vertices().data(), &starts.apex[first], kInOrder.data())), o);
+    const U exit = exits(points(starts.x), points(starts.y), hn::NegMulAdd(apex.z, slope_i, apex.x),
+                         hn::NegMulAdd(apex.z, slope_j, apex.y), error, hn::Load(u, &starts.positive[first]));
+    found = select(within_cell, exit, found);
+  }
+  hn::Store(select(usual, found, status(Starts::unusual)), u, &starts.status[first]);
 }
 
 void prepare(const FileView& view, Starts& starts) {

@@ -69,12 +69,22 @@ struct Starts : Walks {
   // Given, with ids, ref, apex, tet, target, ray:
   std::array<PerLane<float>, 3> position, direction;  ///< rounded
   PerLane<float> t_max;
-  PerLane<std::uint32_t> certain;  ///< 1: the ray goes through the face; 0: it is on it, and may not leave it
+  enum Kind : std::uint32_t {
+    known,    ///< the ray goes through the face
+    on_face,  ///< it starts on the face, and may not leave it
+    within,   ///< it starts in the tetrahedron `ref`, whose vertices are ids and apex, ascending
+  };
+  PerLane<std::uint32_t> kind;
+  PerLane<std::uint32_t> positive;  ///< within: all bits if the vertices are positively oriented, or none
 
   /// Found, with all the rest:
   enum Status : std::uint32_t {
+    exit0,  ///< within: the ray leaves opposite ids[0]; and so on
+    exit1,
+    exit2,
+    exit3,
     ready,
-    unsure,   ///< float32 cannot tell whether the ray leaves its face
+    unsure,   ///< float32 cannot tell whether the ray leaves its face, or where its tetrahedron
     unusual,  ///< no direction, far too large or small, or not a number
   };
   PerLane<std::uint32_t> status;
