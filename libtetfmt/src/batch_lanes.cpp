@@ -190,6 +190,7 @@ class Walk {
         apex = 0;
       }
       lanes.apex[lane] = apex;
+      hwy::Prefetch(view_.vertices().data() + apex);
     }
   }
 
