@@ -174,7 +174,7 @@ class Walk {
       lanes.ref[lane] = ref;
       const Index tet = ref & (Index{0} - static_cast<Index>(ref < tet_count));  // no branch
       lanes.cell[lane] = kStride * tet;
-      hwy::Prefetch(cells + kStride * tet);
+      hwy::Prefetch(cells + std::size_t{kStride} * tet);
     }
   }
 

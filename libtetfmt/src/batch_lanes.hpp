@@ -26,7 +26,7 @@ using PerLane = std::array<T, kLanes>;
 using LaneMask = std::uint64_t;
 
 /// Walks, each about to enter the tetrahedron `ref` through the face of corners 0, 1, 2, crossed
-/// counter-clockwise. Nothing but numbers of four bytes: see move().
+/// counter-clockwise. Nothing but numbers of four bytes, so that a walk can be moved without naming them all.
 struct alignas(64) Walks {
   std::array<PerLane<float>, 3> x, y;  ///< the corners as projected (signs.hpp)
   std::array<PerLane<float>, 3> z;     ///< and their depth along the ray's main axis
