@@ -310,7 +310,7 @@ TEST_P(BatchOn, EndsOnBrokenBytes) {
         {static_cast<std::uint32_t>(below(count)), static_cast<std::uint32_t>(below(count))});
   }
   Tally tally;
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 80; ++i) {
     std::vector<std::byte> bytes = whole.bytes;
     const bool vertices = i % 3 == 0;
     for (const SectionKind kind : {kTets, kSides, kVertices}) {
