@@ -417,7 +417,7 @@ class Run final : Lines {
 template <class View, class Asked>
 void answer(const View& view, const BatchTarget& target, const Asked& asked) {
   const FileView& file = file_of(view);
-  if (file.tet_count() >= kMaxBatchTets || asked.size() > kNone) {
+  if (!target.advance || file.tet_count() >= kMaxBatchTets || asked.size() > kNone) {
     for (std::size_t i = 0; i < asked.size(); ++i) asked.from(i) ? asked.alone(i) : asked.corrupt(i);
     return;
   }

@@ -23,6 +23,13 @@ HWY_BEFORE_NAMESPACE();
 namespace tetfmt::detail {
 namespace HWY_NAMESPACE {
 
+#if HWY_TARGET == HWY_SCALAR
+
+// A lane alone gains nothing.
+constexpr BatchTarget kBatchTarget = {HWY_STR(HWY_NAMESPACE), 1, nullptr, nullptr};
+
+#else
+
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, 16>;
@@ -32,16 +39,10 @@ using F = hn::Vec<Floats>;
 using U = hn::Vec<Ids>;
 using M = hn::Mask<Ids>;
 constexpr std::size_t kWidth = hn::MaxLanes(Floats());
-static_assert(kWidth == 1 || kWidth % 4 == 0);
+static_assert(kWidth % 4 == 0 && kLanes % kWidth == 0);
 
 /// Steps between two looks at lanes that wait.
-#ifndef LAG
-#define LAG kVectors / 2
-#endif
-#ifndef STEPS
-#define STEPS 4
-#endif
-constexpr std::size_t kSteps = STEPS;
+constexpr std::size_t kSteps = 4;
 
 // (A number of just as many bytes as Highway stores: a wider one would wait for the memory.)
 using MaskBits = std::conditional_t<kWidth == 16, std::uint16_t, std::uint8_t>;
@@ -74,19 +75,6 @@ struct Points {
   F x, y, z;
 };
 
-#if HWY_TARGET == HWY_SCALAR
-/// The points of these ids, with their coordinates in the order that `shuffle` gives.
-HWY_INLINE Points load_points(const Vec3f* vertices, const Index* ids,
-                              const std::array<std::uint8_t, 16>* shuffle) {
-  const auto* const before = reinterpret_cast<const std::uint8_t*>(vertices + *ids) - 4;
-  const auto coordinate = [&](std::size_t axis) {
-    float value;
-    std::memcpy(&value, before + (*shuffle)[4 * axis + 4], sizeof value);
-    return hn::Set(Floats(), value);
-  };
-  return {coordinate(0), coordinate(1), coordinate(2)};
-}
-#else
 /// Sixteen bytes from each of the points of ids 0, 4, ... of a vector: the coordinates and what lies before.
 /// (There is something: a file begins with its header.)
 template <class D>
@@ -120,8 +108,9 @@ HWY_INLINE Points load_points(const Vec3f* vertices, const Index* ids,
   return {hn::BitCast(f, hn::InterleaveUpper(pairs, a, b)), hn::BitCast(f, hn::InterleaveLower(pairs, c, d)),
           hn::BitCast(f, hn::InterleaveUpper(pairs, c, d))};
 }
-#endif
 
+/// One turn of all lanes. What one half of a step stores, the other reads only after all vectors had their
+/// turn.
 template <class Cells>
 class Walk {
  public:
@@ -473,6 +462,8 @@ Waiting advance(const FileView& view, const Lines& lines, Lanes& lanes) {
 }
 
 constexpr BatchTarget kBatchTarget = {HWY_STR(HWY_NAMESPACE), kWidth, prepare, advance};
+
+#endif
 
 }  // namespace HWY_NAMESPACE
 }  // namespace tetfmt::detail

@@ -113,7 +113,7 @@ inline constexpr Index kMaxBatchTets = (Index{1} << 31) / 5;
 /// Fills in what is not given. All ids must exist, also those of starts that are not used.
 using Prepare = void (*)(const FileView& view, Starts& starts);
 
-/// Compiled for one kind of processor.
+/// Compiled for one kind of processor. Without vectors there is nothing to call: rays are walked one by one.
 struct BatchTarget {
   const char* name;
   std::size_t width;  ///< lanes in a vector
