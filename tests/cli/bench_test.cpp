@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // `tet bench`: what it says of a sound file, in every form, and of a wrong command line.
+#include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -10,6 +12,13 @@ namespace tetfmt_test {
 namespace {
 
 using Json = nlohmann::json;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
 
 TEST_F(CliTest, BenchStressFindsNoFailureAndTellsWhatItDid) {
   const std::string file = write_mesh("box.tet", box_mesh());
@@ -37,10 +46,7 @@ TEST_F(CliTest, BenchStressFindsNoFailureAndTellsWhatItDid) {
   EXPECT_EQ(json.at("total").at("rays"), rays);
   EXPECT_GE(rays, 19990U);
 
-  std::istringstream csv(read_bytes("out.csv"));
-  std::string line;
-  std::vector<std::string> lines;
-  while (std::getline(csv, line)) lines.push_back(line);
+  const std::vector<std::string> lines = lines_of(read_bytes("out.csv"));
   ASSERT_EQ(lines.size(), 11U);
   EXPECT_TRUE(lines[0].starts_with("file,set,rays,hits,wrong,missed,false,double,hung,started,self,differ,"));
   const auto fields = [](const std::string& text) { return std::count(text.begin(), text.end(), ','); };
@@ -63,13 +69,104 @@ TEST_F(CliTest, BenchStressFindsTheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(counts("1"), counts("3"));
 }
 
-TEST_F(CliTest, BenchTimesAFileAndItsOtherLayout) {
+TEST_F(CliTest, BenchQuickMeasuresEveryTracerOnEveryWorkload) {
   const std::string file = write_mesh("box.tet", box_mesh());
-  const std::string other = write_mesh("box16.tet", box_mesh(), tetfmt::Layout::tet16);
-  const RunResult result = tet({"bench", file, "--other", other, "--size", "16", "--repeats", "1"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  for (const char* part : {"map and open", "distance 16.50", "Tet20 exact", "Tet16 float"})
+  const RunResult result = tet({"bench", file, "--quick", "--size", "24", "--sample", "200", "--csv",
+                                "out.csv", "--json", "out.json", "--pictures", "pictures"});
+  EXPECT_EQ(result.exit_code, 0) << result.out;
+  for (const char* part : {"version", "commit", "compiler", "processor", "seed 1", "box.tet", "open ",
+                           "validate ", "Tet20", "Tet16", "SAH BVH", "SAH k-d tree", "camera-16.5",
+                           "tet20-exact", "kd-tree", "answers of exact tracers that are wrong: 0"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
+
+  const Json json = Json::parse(read_bytes("out.json"));
+  for (const char* key : {"version", "commit", "compiler", "processor", "against"})
+    EXPECT_FALSE(json.at(key).get<std::string>().empty()) << key;
+  EXPECT_TRUE(json.at("flags").is_string());
+  EXPECT_EQ(json.at("seed"), 1);
+  EXPECT_EQ(json.at("failures"), 0);
+  ASSERT_EQ(json.at("meshes").size(), 1U);
+  const Json& mesh = json.at("meshes")[0];
+  EXPECT_EQ(mesh.at("triangles"), 12);
+  std::map<std::string, double> bytes;
+  for (const Json& structure : mesh.at("structures"))
+    bytes[structure.at("name")] = structure.at("bytes").get<double>();
+  EXPECT_EQ(bytes.at("Tet20") - bytes.at("Tet16"), 4 * mesh.at("tets").get<double>());
+  EXPECT_GT(bytes.at("SAH BVH"), 12 * 40);
+  EXPECT_GT(bytes.at("SAH k-d tree"), 12 * 40);
+
+  // Every tracer in every workload that it takes.
+  std::map<std::string, std::set<std::string>> tracers;
+  for (const Json& workload : mesh.at("workloads")) {
+    EXPECT_GT(workload.at("rays"), 0);
+    EXPECT_EQ(workload.at("sample_wrong"), 0);
+    for (const Json& row : workload.at("rows")) {
+      tracers[workload.at("name")].insert(row.at("tracer"));
+      EXPECT_EQ(row.at("ns").at("all").size(), 3U);
+      EXPECT_GT(row.at("ns").at("median"), 0);
+      EXPECT_LE(row.at("ns").at("low"), row.at("ns").at("high"));
+      const Json& ratio = row.at("ratios").at(json.at("against").get<std::string>());
+      EXPECT_LE(ratio.at("low"), ratio.at("median"));
+      EXPECT_LE(ratio.at("median"), ratio.at("high"));
+      // A ray that misses the box altogether visits no node of the k-d tree.
+      if (row.at("tracer") == "bvh" || (row.at("tracer") == "kd-tree" && workload.contains("distance"))) {
+        EXPECT_GT(row.at("visits"), 0);
+      }
+      if (row.at("exact")) {
+        EXPECT_EQ(row.at("wrong").get<int>() + row.at("missed").get<int>(), 0);
+      }
+    }
+  }
+  EXPECT_EQ(tracers.size(), 15U);
+  for (const auto& [workload, names] : tracers)
+    for (const char* name : {"tet20-exact", "tet16-exact", "bvh", "kd-tree"})
+      EXPECT_TRUE(names.contains(name)) << workload << ": " << name;
+  for (const char* name : {"tet20-float", "tet20-together", "tet16-together", "tet20-float-first",
+                           "tet20-exact-specialised", "tet20-float-orthonormal"})
+    EXPECT_TRUE(tracers.at("room").contains(name)) << name;
+
+  const auto csv = lines_of(read_bytes("out.csv"));
+  std::size_t rows = 0;
+  for (const auto& [workload, names] : tracers) rows += names.size();
+  ASSERT_EQ(csv.size(), rows + 1);
+  EXPECT_TRUE(csv[0].starts_with("file,triangles,tets,workload,distance,tracer,exact,rays,ns,"));
+  for (const std::string& row : csv)
+    EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(csv[0].begin(), csv[0].end(), ',')) << row;
+  EXPECT_TRUE(csv[1].starts_with("\"box.tet\",12,")) << csv[1];
+
+  for (const char* name : {"box-errors.svg", "box-table1.svg"}) {
+    const std::string svg = read_bytes(std::string("pictures/") + name);
+    EXPECT_TRUE(svg.starts_with("<svg xmlns=")) << name;
+    EXPECT_TRUE(svg.ends_with("</svg>\n")) << name;
+    EXPECT_NE(svg.find("kd-tree"), std::string::npos) << name;
+  }
+}
+
+TEST_F(CliTest, BenchComparesMeshesOfSeveralSizesAndPartsByName) {
+  LatticeOptions options;
+  options.low = 2;
+  options.one_triangle_a_face = true;
+  const std::string small = write_mesh("small.tet", lattice_mesh(6, options)),
+                    large = write_mesh("large.tet", lattice_mesh(12, options), tetfmt::Layout::tet16);
+  const RunResult result =
+      tet({"bench", small, large, "--tracers", "tet20-exact,bvh", "--workloads", "camera-9,ao", "--size",
+           "20", "--repeats", "2", "--shuffled", "--against", "bvh", "--pictures", ".", "--csv", "out.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_NE(result.out.find("/ bvh"), std::string::npos);
+  std::set<std::string> seen;
+  for (const std::string& line : lines_of(read_bytes("out.csv"))) {
+    std::istringstream fields(line);
+    std::string file, triangles, tets, workload, distance, tracer;
+    for (std::string* field : {&file, &triangles, &tets, &workload, &distance, &tracer})
+      std::getline(fields, *field, ',');
+    seen.insert(file + " " + workload + " " + tracer);
+  }
+  // Two files, two tracers, four workloads in two orders each; and the head.
+  EXPECT_EQ(seen.size(), 2U * 2U * 4U * 2U + 1U);
+  EXPECT_TRUE(seen.contains("\"large.tet\" ao-2-shuffled bvh"));
+  EXPECT_EQ(listing(), (std::vector<std::string>{"growth.svg", "large-errors.svg", "large.tet", "out.csv",
+                                                 "small-errors.svg", "small.tet"}));
+  EXPECT_NE(read_bytes("growth.svg").find("camera-9-shuffled"), std::string::npos);
 }
 
 TEST_F(CliTest, BenchRefusesWhatItCannotDo) {
@@ -88,16 +185,18 @@ TEST_F(CliTest, BenchRefusesWhatItCannotDo) {
   refused({"--stress", file, "--sets", "vertices,needles"}, 1, {"needles", "from-vertices"});
   refused({"--stress", file, "--rays", "0"}, 1, {"--rays"});
   refused({"--stress", file, "--seed", "-1"}, 1, {"--seed", "-1"});
-  refused({"--stress", file, "--other", file}, 1, {"--other"});
-  refused({file, file}, 1, {"one FILE"});
-  refused({file, "--json", "a.json"}, 1, {"--stress"});
+  refused({file, "--tracers", "tet20-exact,tet24"}, 1, {"tet24", "tet20-exact", "kd-tree"});
+  refused({file, "--workloads", "cam"}, 1, {"'cam'", "camera-16.5", "ao-10", "lines"});
+  refused({file, "--tracers", "bvh", "--against", "kd-tree"}, 1, {"--against", "kd-tree"});
+  refused({file, "--csv", file}, 1, {file});
+  refused({file, "--pictures", file}, 2, {file, "--pictures"});
+  refused({"--stress", file, "--quick"}, 1, {"--quick", "--stress"});
   refused({"--stress", file, "--csv", file}, 1, {file});
   refused({"--stress", file, "--csv", "a.csv", "--json", "a.csv"}, 1, {"a.csv"});
   refused({"--stress", file, "--csv", "-"}, 1, {"/dev/stdout"});
   refused({"--stress", file, "--size", "9"}, 1, {"--size", "--stress"});
   refused({file, "--rays", "9"}, 1, {"--rays", "--stress"});
   refused({file, "--fov", "nan"}, 1, {"--fov", "nan"});
-  refused({file, "--other", file, "--size", "4"}, 7, {"other layout"});
   refused({"--stress", "none.tet"}, 2, {"none.tet"});
   write_bytes("text.tet", "no tet file");
   refused({"--stress", "text.tet", "--json", "a.json"}, 3, {"text.tet"});

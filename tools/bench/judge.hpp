@@ -52,6 +52,9 @@ class Judge {
   void peer(const ExactLine& line, std::span<const Crossing> all, tetfmt::Index triangle,
             PeerTally& tally) const;
 
+  /// The input triangle that a side of a face is of.
+  tetfmt::Index triangle_of(tetfmt::Index side) const { return input_triangle(side / 2); }
+
  private:
   std::optional<Finding> hit(const ExactLine& line, const tetfmt::Interval& interval, const Crossing& truth,
                              const tetfmt::Hit& hit, Tally& tally) const;

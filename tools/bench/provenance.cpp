@@ -26,10 +26,13 @@ constexpr const char* kCompiler = "g++ " __VERSION__;
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> provenance() {
-  return {
-      {"version", TETFMT_VERSION}, {"commit", TETFMT_COMMIT},
-      {"compiler", kCompiler},     {"build", TETFMT_BUILD_TYPE},
-      {"processor", processor()},  {"hardware_threads", std::to_string(std::thread::hardware_concurrency())}};
+  return {{"version", TETFMT_VERSION},
+          {"commit", TETFMT_COMMIT},
+          {"compiler", kCompiler},
+          {"build", TETFMT_BUILD_TYPE},
+          {"flags", TETFMT_FLAGS},
+          {"processor", processor()},
+          {"hardware_threads", std::to_string(std::thread::hardware_concurrency())}};
 }
 
 std::string provenance_text() {

@@ -73,8 +73,12 @@ void with_other_views(const Scene& scene, Work&& work) {
 
 }  // namespace
 
-Bench::Bench(const std::string& path) : scene(path), judge(scene), maker(scene.mesh(), scene.surface()) {
-  for (std::size_t i = 0; i < peers.size(); ++i) peers[i] = make_embree(scene.view(0).view(), i == 1);
+Bench::Bench(const std::string& path)
+    : scene(path), judge(scene), maker(scene.mesh(), scene.surface()), structures(scene) {
+  for (const TracerKind& kind : tracer_kinds()) {
+    if (kind.name == "embree-1") peers[0] = kind.make(structures);
+    if (kind.name == "embree-1-robust") peers[1] = kind.make(structures);
+  }
 }
 
 void Tester::run(std::uint64_t count) {
@@ -186,10 +190,11 @@ Hit Tester::ray(const Start& start, const Vec3f& direction, const Interval& inte
     check(scene.view(0));
     with_other_views(scene, check);
     if (whole && start.side == tetfmt::kNone) {
-      const tetfmt::Ray as_floats{rounded(start.place.position), direction};
+      RayList asked;
+      asked.add(0, {rounded(start.place.position), direction});
       for (std::size_t i = 0; i < bench_.peers.size(); ++i) {
         if (!bench_.peers[i]) continue;
-        bench_.peers[i]->trace({&as_floats, 1}, peers_answer_);
+        bench_.peers[i]->trace(asked, peers_answer_);
         judge.peer(line, truth, peers_answer_[0], tally_.peers[i]);
       }
     }

@@ -5,11 +5,11 @@
 #include <array>
 #include <memory>
 
-#include "bench/bench.hpp"
 #include "bench/judge.hpp"
 #include "bench/rays.hpp"
 #include "bench/scene.hpp"
 #include "bench/tally.hpp"
+#include "bench/tracer.hpp"
 
 namespace tetbench {
 
@@ -19,7 +19,8 @@ struct Bench {
   Scene scene;
   Judge judge;
   RayMaker maker;
-  std::array<std::unique_ptr<Tracer>, 2> peers;  ///< Embree and Embree robust, or none
+  Structures structures;
+  std::array<std::unique_ptr<Tracer>, 2> peers;  ///< embree-1 and embree-1-robust, or none
 };
 
 class Tester {
