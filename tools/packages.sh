@@ -6,7 +6,8 @@ build_packages=(g++ cmake ninja-build ccache
   libcgal-dev libtet1.5-dev libdraco-dev libopenmesh-dev libtinygltf-dev    # the converter
   libcli11-dev nlohmann-json3-dev libpng-dev libopenexr-dev libtbb-dev    # the tet command
   libcgal-demo)                                                           # real meshes
-test_packages=(libgtest-dev)
+test_packages=(libgtest-dev
+  libembree-dev)                                                          # a peer of `tet bench`, which does without it
 check_packages=(clang-14 libclang-rt-14-dev clang-format-14 clang-tidy-14)
 
 # install_packages NAME...: installs those that are missing; with none missing it needs neither root nor network.

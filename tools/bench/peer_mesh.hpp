@@ -15,6 +15,7 @@ struct PeerMesh {
   std::vector<std::array<tetfmt::Index, 3>> triangles;
   std::vector<tetfmt::Index> numbers;  ///< of each triangle, in FileView::input_triangles
 
+  PeerMesh() = default;
   explicit PeerMesh(const tetfmt::FileView& view);
   std::array<tetfmt::Vec3f, 3> corners(std::size_t triangle) const {
     const auto& v = triangles[triangle];

@@ -57,7 +57,7 @@ std::string mark(double x, double y, const Mark& mark) {
     path += format("%s%.2f,%.2f", path.empty() ? "" : " ", x + r * dx, y + r * dy);
   };
   const std::string paint = format("fill=\"%s\" stroke=\"%s\" stroke-width=\"1.6\"",
-                                   mark.filled ? mark.color.c_str() : "#ffffff", mark.color.c_str());
+                                   mark.filled ? mark.color : "#ffffff", mark.color);
   switch (mark.shape) {
     case Shape::circle:
       return format("<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\" %s/>\n", x, y, r, paint.c_str());
@@ -86,7 +86,7 @@ std::string mark(double x, double y, const Mark& mark) {
       return format(
           "<path d=\"M%.2f %.2fL%.2f %.2fM%.2f %.2fL%.2f %.2f\" stroke=\"%s\" "
           "stroke-width=\"2.2\" fill=\"none\"/>\n",
-          x - e, y - d, x + e, y + d, x + d, y - e, x - d, y + e, mark.color.c_str());
+          x - e, y - d, x + e, y + d, x + d, y - e, x - d, y + e, mark.color);
     }
   }
   return "<polygon points=\"" + path + "\" " + paint + "/>\n";

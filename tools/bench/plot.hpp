@@ -13,7 +13,7 @@ inline constexpr std::size_t kShapes = 9;
 
 /// How a series looks, in every panel.
 struct Mark {
-  std::string color = "#000000";
+  const char* color = "#000000";
   Shape shape = Shape::circle;
   bool filled = true;
 };

@@ -152,11 +152,6 @@ Json mesh_json(const RaceMesh& mesh, const RaceOptions& options) {
   return json;
 }
 
-std::string quoted(std::string text) {
-  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
-  return "\"" + text + "\"";
-}
-
 }  // namespace
 
 std::string race_table(const RaceResult& result) {

@@ -51,7 +51,6 @@ RayList RayList::picked(const std::vector<std::uint32_t>& numbers) const {
   RayList result;
   result.occlusion = occlusion;
   result.coherent = coherent;
-  result.exact_origin = exact_origin;
   result.distance = distance;
   result.places = places;
   for (const std::uint32_t i : numbers) {

@@ -12,7 +12,8 @@
 
 namespace tetbench {
 
-/// A ray as peers know it: the origin is a point of float32 numbers.
+/// A ray as peers know it: the origin is a point of float32 numbers, which a place on a surface is rounded
+/// to.
 struct PeerRay {
   tetfmt::Vec3f origin, direction;
   float t_min = 0, t_max = std::numeric_limits<float>::infinity();
@@ -29,7 +30,6 @@ struct alignas(64) Packet {
 struct RayList {
   bool occlusion = false;          ///< asked: is anything in the way; else: what is met first
   bool coherent = true;            ///< rays that follow each other are close to each other
-  bool exact_origin = true;        ///< the peers' origins are the places; else rounded, and t_min an epsilon
   std::optional<double> distance;  ///< of the camera, in tenths of the surface's largest extent
 
   std::vector<tetfmt::Location> places;

@@ -159,9 +159,7 @@ std::string stress_csv(const StressResult& result) {
   text += ",leaving_rays,thread_seconds\n";
   for (const StressRow& row : result.rows) {
     const Tally& t = row.tally;
-    std::string file = row.file;
-    for (std::size_t at = 0; (at = file.find('"', at)) != std::string::npos; at += 2) file.insert(at, 1, '"');
-    text += "\"" + file + "\"," + row.set;
+    text += quoted(row.file) + "," + row.set;
     const auto add = [&](auto value) { text += "," + number(static_cast<double>(value)); };
     add(t.rays);
     add(t.hits);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
-// printf into a string.
+// Text: printf into a string, fields of CSV.
 #pragma once
 
 #include <cstdarg>
@@ -19,6 +19,12 @@ namespace tetbench {
   va_end(again);
   va_end(values);
   return text;
+}
+
+/// As a CSV field.
+inline std::string quoted(std::string text) {
+  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
+  return "\"" + text + "\"";
 }
 
 }  // namespace tetbench

@@ -124,7 +124,6 @@ RayList ambient(const Scene& scene, const WorkloadOptions& options, double reach
   RayList rays;
   rays.occlusion = true;
   rays.coherent = false;  // of origin, not of direction
-  rays.exact_origin = false;
   for (const Bounce& bounce : seen(scene, options, std::max(1, options.size / 2))) {
     const std::uint32_t place = rays.add_place(bounce.side);
     for (int i = 0; i < kRays; ++i) rays.add(place, {bounce.point, bounce.diffuse(dice), epsilon, far});
@@ -139,7 +138,6 @@ RayList shadow(const Scene& scene, const WorkloadOptions& options) {
   const Vec3f lamp = {eye.x + 4 * frame.unit, eye.y + 6 * frame.unit, eye.z};
   RayList rays;
   rays.occlusion = true;
-  rays.exact_origin = false;
   const std::uint32_t light = rays.add_place(tetfmt::locate(scene.view(0), lamp));
   for (const Bounce& bounce : seen(scene, options, options.size)) {
     const Vec3d to = difference(wide(lamp), wide(bounce.point));
@@ -157,7 +155,6 @@ RayList paths(const Scene& scene, const WorkloadOptions& options) {
   Dice dice({options.seed, 2});
   RayList rays;
   rays.coherent = false;
-  rays.exact_origin = false;
   std::vector<Bounce> bounces = seen(scene, options, options.size);
   for (int depth = 0; depth < 2; ++depth) {
     std::vector<Bounce> next;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "bench/convert_costs.hpp"
 #include "bench/race.hpp"
 #include "bench/stress.hpp"
 #include "common/atomic_file.hpp"
@@ -22,7 +23,7 @@ struct BenchOptions {
   std::vector<std::string> files;
   std::string csv, json, pictures;
   tetbench::RaceOptions race;
-  bool quick = false, stress = false;
+  bool quick = false, stress = false, convert = false;
   tetbench::StressOptions stress_options;
 };
 
@@ -82,6 +83,27 @@ int run_race(BenchOptions options) {
   return static_cast<int>(result.failures() == 0 ? ExitCode::ok : ExitCode::differs);
 }
 
+#ifdef TETFMT_HAVE_CONVERT
+int run_convert(const BenchOptions& options) {
+  Outputs outputs(options);
+  const int repeats = options.race.repeats;
+  std::vector<tetbench::ConvertCost> costs;
+  {
+    TerminalProgress progress(true, true);
+    costs = tetbench::convert_costs(options.files, repeats, progress);
+  }
+  outputs.write([&] { return tetbench::convert_csv(costs); },
+                [&] { return tetbench::convert_json(costs, repeats); });
+  Output::standard().write(tetbench::convert_table(costs, repeats));
+  return 0;
+}
+#else
+int run_convert(const BenchOptions&) {
+  throw Failure(ExitCode::unsupported,
+                "--convert: this tet was built without its converter (TETFMT_BUILD_CONVERT=OFF)");
+}
+#endif
+
 int run_stress(const BenchOptions& options) {
   tetbench::chosen_sets(options.stress_options.sets);  // long work should not end in a wrong name
   Outputs outputs(options);
@@ -116,15 +138,17 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
   tetbench::RaceOptions& race = options->race;
   CLI::App* verb = app.add_subcommand(
       "bench",
-      "Measure: the time and the errors of tracers, ours and others; or, with --stress, whether "
-      "every ray is right.");
+      "Measure: the time and the errors of tracers, ours and others; or, with --stress, whether every ray is "
+      "right; or, with --convert, what converting costs.");
   const auto names = [&](const char* option, std::vector<std::string>& value, const char* description) {
     return verb->add_option(option, value, description)
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("A,B");
   };
-  verb->add_option("FILE", options->files, "Tet files; with several, cost against size")->required();
+  verb->add_option("FILE", options->files,
+                   "Tet files; with several, cost against size. With --convert, meshes")
+      ->required();
   CLI::Option* quick =
       verb->add_flag("--quick", options->quick,
                      "Small views, few repeats: two minutes for 50,000 triangles, and rough figures");
@@ -167,6 +191,9 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
   CLI::Option* stress_flag = verb->add_flag(
       "--stress", options->stress,
       "Hold first hits, all hits, occlusion and secondary rays against exact arithmetic, in both layouts");
+  CLI::Option* convert_flag =
+      verb->add_flag("--convert", options->convert,
+                     "Time converting instead, by stage: every mesh with --optimize none, fast and best");
   CLI::Option* rays =
       verb->add_option("--rays", stress.rays, "Stress: rays in all, over all files and sets [4000000]")
           ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
@@ -177,26 +204,31 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
                        "Stress: threads to use [all]; what is found is the same for any number")
           ->check(CLI::Range(1, kMaxThreads))
           ->type_name("N");
-  verb->add_option_function<std::string>(
-          "--seed",
-          [options](const std::string& text) {
-            const auto whole = parse_whole(text);
-            if (!whole)
-              throw CLI::ValidationError("--seed",
-                                         "expected a whole number from 0 to 2^64 - 1, found '" + text + "'");
-            options->stress_options.seed = options->race.rays.seed = *whole;
-          },
-          "What rays are drawn from, 0 to 2^64 - 1 [1]")
-      ->type_name("S");
+  CLI::Option* seed =
+      verb->add_option_function<std::string>(
+              "--seed",
+              [options](const std::string& text) {
+                const auto whole = parse_whole(text);
+                if (!whole)
+                  throw CLI::ValidationError(
+                      "--seed", "expected a whole number from 0 to 2^64 - 1, found '" + text + "'");
+                options->stress_options.seed = options->race.rays.seed = *whole;
+              },
+              "What rays are drawn from, 0 to 2^64 - 1 [1]")
+          ->type_name("S");
   verb->add_option("--csv", options->csv, "A line a measurement; stress: a line a file and set")
       ->type_name("NAME");
   verb->add_option("--json", options->json, "Everything; stress: with up to 10 reproducers a file and set")
       ->type_name("NAME");
-  // What one of the two measurements does not look at is refused, not ignored.
+  // What a measurement does not look at is refused, not ignored.
+  stress_flag->excludes(convert_flag);
   for (CLI::Option* option : {rays, sets, threads}) option->needs(stress_flag);
-  for (CLI::Option* option :
-       {quick, tracers, workloads, shuffle, against, size, repeats, fov, sample, pictures})
+  repeats->excludes(stress_flag);
+  for (CLI::Option* option : {quick, tracers, workloads, shuffle, against, size, fov, sample, pictures}) {
     option->excludes(stress_flag);
+    option->excludes(convert_flag);
+  }
+  seed->excludes(convert_flag);
   verb->footer(
       names_text("Tracers (--tracers); \"embree\" names all that begin with \"embree-\":",
                  tetbench::tracer_kinds()) +
@@ -233,12 +265,17 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
       "  tet bench bunny.tet --quick --pictures bunny\n"
       "  tet bench small.tet medium.tet large.tet --workloads camera,ao --json growth.json\n"
       "  tet bench bunny.tet --tracers tet20-exact,embree --against embree-16 --csv bunny.csv\n"
+      "  tet bench --convert bunny.ply room.obj --repeats 3\n"
       "  tet bench --stress bunny.tet part.tet --rays 10000000 --json stress.json\n"
       "  tet bench --stress bunny.tet --sets vertices,bounces --seed 7");
   verb->callback([options, size, repeats, &run] {
     if (options->quick && size->count() == 0) options->race.rays.size = 250;
     if (options->quick && repeats->count() == 0) options->race.repeats = 3;
-    run = [options] { return options->stress ? run_stress(*options) : run_race(*options); };
+    run = [options] {
+      return options->stress    ? run_stress(*options)
+             : options->convert ? run_convert(*options)
+                                : run_race(*options);
+    };
   });
 }
 

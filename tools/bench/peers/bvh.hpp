@@ -20,9 +20,9 @@ class Bvh {
   static constexpr const char* kName = "SAH BVH";
   std::uint64_t bytes() const;
 
-  /// The number of the triangle met first, or kNone; if `any`, of whichever is found.
+  /// The triangle that is met first; if `any`, whichever is found.
   template <bool any, class Counter>
-  tetfmt::Index trace(TreeRay ray, Counter& counter) const;
+  TreeHit trace(TreeRay ray, Counter& counter) const;
 
  private:
   struct Node {
@@ -52,8 +52,8 @@ class Bvh {
 };
 
 template <bool any, class Counter>
-tetfmt::Index Bvh::trace(TreeRay ray, Counter& counter) const {
-  tetfmt::Index found = tetfmt::kNone;
+TreeHit Bvh::trace(TreeRay ray, Counter& counter) const {
+  TreeHit found;
   if (nodes_.empty()) return found;
   std::array<std::uint32_t, kDeepest> pending;
   std::size_t count = 0;
@@ -72,7 +72,7 @@ tetfmt::Index Bvh::trace(TreeRay ray, Counter& counter) const {
       for (std::uint32_t i = 0; i < node.count; ++i) {
         const Primitive& primitive = primitives_[node.next + i];
         if (!ray.meets(primitive.corners)) continue;
-        found = primitive.number;
+        found = {primitive.number, ray.t_max};
         if (any) return found;
       }
     }

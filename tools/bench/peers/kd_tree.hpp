@@ -23,7 +23,7 @@ class KdTree {
 
   /// As Bvh::trace.
   template <bool any, class Counter>
-  tetfmt::Index trace(TreeRay ray, Counter& counter) const;
+  TreeHit trace(TreeRay ray, Counter& counter) const;
 
  private:
   /// An inner node's first child follows it. The two low bits of `rest` are the axis, or 3 in a leaf; above
@@ -50,8 +50,8 @@ class KdTree {
 };
 
 template <bool any, class Counter>
-tetfmt::Index KdTree::trace(TreeRay ray, Counter& counter) const {
-  tetfmt::Index found = tetfmt::kNone;
+TreeHit KdTree::trace(TreeRay ray, Counter& counter) const {
+  TreeHit found;
   float enter, leave;
   if (nodes_.empty() || !ray.clip(box_, enter, leave)) return found;
   struct Pending {
@@ -63,7 +63,7 @@ tetfmt::Index KdTree::trace(TreeRay ray, Counter& counter) const {
   std::uint32_t current = 0;
   const auto test = [&](std::uint32_t triangle) {
     if (!ray.meets(corners_[triangle])) return false;
-    found = numbers_[triangle];
+    found = {numbers_[triangle], ray.t_max};
     return true;
   };
   while (!(ray.t_max < enter)) {

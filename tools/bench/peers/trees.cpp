@@ -42,12 +42,12 @@ class TreeTracer : public Tracer {
     if (rays.occlusion)
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const bool blocked =
-            built_->tree->template trace<true>(TreeRay(rays.peer(i)), counter) != tetfmt::kNone;
+            built_->tree->template trace<true>(TreeRay(rays.peer(i)), counter).triangle != tetfmt::kNone;
         use(i, blocked ? kBlocked : tetfmt::kNone);
       }
     else
       for (std::size_t i = 0; i < rays.size(); ++i)
-        use(i, built_->tree->template trace<false>(TreeRay(rays.peer(i)), counter));
+        use(i, built_->tree->template trace<false>(TreeRay(rays.peer(i)), counter).triangle);
   }
 
   std::shared_ptr<const Built<Tree>> built_;

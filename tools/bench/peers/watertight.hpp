@@ -89,6 +89,11 @@ struct TreeRay {
   }
 };
 
+struct TreeHit {
+  tetfmt::Index triangle = tetfmt::kNone;  ///< its number in the file; kNone: nothing is met
+  float t = std::numeric_limits<float>::infinity();
+};
+
 /// How a traversal counts: the same code with either.
 struct NotCounted {
   void node() {}
