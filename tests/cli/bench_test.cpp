@@ -169,6 +169,42 @@ TEST_F(CliTest, BenchComparesMeshesOfSeveralSizesAndPartsByName) {
   EXPECT_NE(read_bytes("growth.svg").find("camera-9-shuffled"), std::string::npos);
 }
 
+TEST_F(CliTest, BenchConvertTimesEveryStage) {
+  EXPECT_EQ(tet({"sample", "sphere", "-o", "ball.off", "--triangles", "300"}).exit_code, 0);
+  const RunResult result =
+      tet({"bench", "--convert", "ball.off", "--repeats", "2", "--csv", "out.csv", "--json", "out.json"});
+#ifdef TET_HAS_CONVERTER
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part : {"ball.off, --optimize fast", "tetrahedralize", "tetgen: delaunay",
+                           "reduce crossings", "of that TetGen", "processor"})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part;
+  const Json json = Json::parse(read_bytes("out.json"));
+  ASSERT_EQ(json.at("conversions").size(), 3U);
+  for (const Json& conversion : json.at("conversions")) {
+    EXPECT_EQ(conversion.at("triangles"), 300);
+    EXPECT_GT(conversion.at("tets"), 0);
+    const bool none = conversion.at("optimize") == "none";
+    EXPECT_EQ(conversion.at("reduce_crossings_seconds").at("median") == 0, none);
+    // Stages are parts of the whole; TetGen's are parts of one of them.
+    double sum = 0;
+    for (const Json& stage : conversion.at("stages"))
+      if (!stage.at("name").get<std::string>().starts_with("tetgen: "))
+        sum += stage.at("seconds").at("low").get<double>();
+    EXPECT_GT(sum, 0);
+    EXPECT_LE(sum, conversion.at("seconds").at("high").get<double>());
+    EXPECT_LE(conversion.at("tetgen_seconds").at("low"), conversion.at("seconds").at("high"));
+  }
+  const auto csv = lines_of(read_bytes("out.csv"));
+  EXPECT_EQ(csv[0], "file,triangles,tets,optimize,stage,seconds,seconds_low,seconds_high");
+  EXPECT_GT(csv.size(), 30U);
+  for (const std::string& row : csv) EXPECT_EQ(std::count(row.begin(), row.end(), ','), 7) << row;
+  EXPECT_EQ(listing(), (std::vector<std::string>{"ball.off", "out.csv", "out.json"}));
+#else
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_TRUE(is_one_line(result.err, "tet bench", {"--convert", "converter"}));
+#endif
+}
+
 TEST_F(CliTest, BenchRefusesWhatItCannotDo) {
   const std::string file = write_mesh("box.tet", box_mesh());
   const auto refused = [&](const std::vector<std::string>& arguments, int code,
@@ -191,6 +227,8 @@ TEST_F(CliTest, BenchRefusesWhatItCannotDo) {
   refused({file, "--csv", file}, 1, {file});
   refused({file, "--pictures", file}, 2, {file, "--pictures"});
   refused({"--stress", file, "--quick"}, 1, {"--quick", "--stress"});
+  refused({"--convert", file, "--tracers", "bvh"}, 1, {"--tracers", "--convert"});
+  refused({"--stress", file, "--convert"}, 1, {"--stress", "--convert"});
   refused({"--stress", file, "--csv", file}, 1, {file});
   refused({"--stress", file, "--csv", "a.csv", "--json", "a.csv"}, 1, {"a.csv"});
   refused({"--stress", file, "--csv", "-"}, 1, {"/dev/stdout"});

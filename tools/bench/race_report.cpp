@@ -38,9 +38,9 @@ std::string structures_text(const RaceMesh& mesh, int repeats) {
     const auto per = [&](std::size_t n) { return static_cast<double>(s.bytes) / static_cast<double>(n); };
     const bool ours = s.build_seconds == 0;
     text +=
-        format("  %-16s %14llu %12.1f %10s %10s\n", s.name.c_str(), static_cast<unsigned long long>(s.bytes),
+        format("  %-16s %14llu %12.1f %10s %10s  %s\n", s.name.c_str(), static_cast<unsigned long long>(s.bytes),
                per(mesh.triangles), ours ? format("%.1f", per(mesh.tets)).c_str() : "",
-               ours ? "" : format("%.3f", s.build_seconds).c_str());
+               ours ? "" : format("%.3f", s.build_seconds).c_str(), s.version.c_str());
   }
   return text;
 }
@@ -132,6 +132,7 @@ Json mesh_json(const RaceMesh& mesh, const RaceOptions& options) {
         {"bytes", s.bytes},
         {"bytes_per_triangle", static_cast<double>(s.bytes) / static_cast<double>(mesh.triangles)},
         {"bytes_per_tet", static_cast<double>(s.bytes) / static_cast<double>(mesh.tets)}};
+    if (!s.version.empty()) structure["version"] = s.version;
     if (s.build_seconds > 0) structure["build_seconds"] = s.build_seconds;
     json["structures"].push_back(structure);
   }

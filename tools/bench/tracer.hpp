@@ -25,6 +25,7 @@ inline constexpr tetfmt::Index kBlocked = 0;
 /// What is built once a mesh, and traced ever after.
 struct Structure {
   std::string name;          ///< tracers that share a structure share its name
+  std::string version = {};  ///< of the library that it is of, if it is not of this project
   std::uint64_t bytes = 0;   ///< in memory while it is traced, vertices and triangles included
   double build_seconds = 0;  ///< processor time; 0: not built but opened
 };

@@ -182,6 +182,7 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
   CLI::Option* sample =
       verb->add_option("--sample", race.sample,
                        "Rays of each workload for which the exact kernel itself is checked [2000]")
+          ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 32U))
           ->type_name("N");
   CLI::Option* pictures =
       verb->add_option(

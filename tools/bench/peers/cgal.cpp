@@ -4,6 +4,7 @@
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/version.h>
 
 #include <cmath>
 
@@ -32,6 +33,7 @@ struct CgalTree {
 
   explicit CgalTree(const PeerMesh& mesh) {
     structure.name = "CGAL AABB tree";
+    structure.version = CGAL_VERSION_STR;
     structure.build_seconds = process_seconds([&] {
       for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto corners = mesh.corners(i);

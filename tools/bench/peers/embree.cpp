@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "bench/statistics.hpp"
+#include "bench/text.hpp"
 #include "bench/tracer.hpp"
 #include "common/failure.hpp"
 
@@ -30,6 +31,12 @@ class EmbreeScene {
           return true;
         },
         &bytes_);
+    const auto property = [&](RTCDeviceProperty which) { return rtcGetDeviceProperty(device_, which); };
+    structure_.version =
+        format("%td.%td.%td", property(RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+               property(RTC_DEVICE_PROPERTY_VERSION_MINOR), property(RTC_DEVICE_PROPERTY_VERSION_PATCH));
+    if (property(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) == 0)
+      structure_.version += ", packets of 16 emulated";
     structure_.build_seconds = process_seconds([&] { build(mesh, robust); });
     structure_.bytes = static_cast<std::uint64_t>(bytes_);
   }
