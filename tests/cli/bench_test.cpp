@@ -152,7 +152,10 @@ TEST_F(CliTest, BenchComparesMeshesOfSeveralSizesAndPartsByName) {
       tet({"bench", small, large, "--tracers", "tet20-exact,bvh", "--workloads", "camera-9,ao", "--size",
            "20", "--repeats", "2", "--shuffled", "--against", "bvh", "--pictures", ".", "--csv", "out.csv"});
   EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
-  EXPECT_NE(result.out.find("/ bvh"), std::string::npos);
+  for (const char* part :
+       {"/ bvh", "| tracer ", "|----", "small.tet: nanoseconds a ray", "large.tet: wrong + missed",
+        "ao-10: nanoseconds a ray, by mesh", "| 48 triangles", "| 768 triangles"})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part;
   std::set<std::string> seen;
   for (const std::string& line : lines_of(read_bytes("out.csv"))) {
     std::istringstream fields(line);

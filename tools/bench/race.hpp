@@ -67,8 +67,9 @@ std::vector<WorkloadKind> chosen_workloads(const std::vector<std::string>& names
 RaceResult race(const std::vector<std::string>& files, const RaceOptions& options,
                 tetprep::Progress& progress);
 
-/// The result as text for people; as CSV, a line a row; as JSON.
+/// The result as text for people, and in short, which is the end of that; as CSV, a line a row; as JSON.
 std::string race_table(const RaceResult& result);
+std::string race_summary(const RaceResult& result);
 std::string race_csv(const RaceResult& result);
 std::string race_json(const RaceResult& result);
 

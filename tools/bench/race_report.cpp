@@ -37,10 +37,10 @@ std::string structures_text(const RaceMesh& mesh, int repeats) {
   for (const Structure& s : mesh.structures) {
     const auto per = [&](std::size_t n) { return static_cast<double>(s.bytes) / static_cast<double>(n); };
     const bool ours = s.build_seconds == 0;
-    text +=
-        format("  %-16s %14llu %12.1f %10s %10s  %s\n", s.name.c_str(), static_cast<unsigned long long>(s.bytes),
-               per(mesh.triangles), ours ? format("%.1f", per(mesh.tets)).c_str() : "",
-               ours ? "" : format("%.3f", s.build_seconds).c_str(), s.version.c_str());
+    text += format("  %-16s %14llu %12.1f %10s %10s  %s\n", s.name.c_str(),
+                   static_cast<unsigned long long>(s.bytes), per(mesh.triangles),
+                   ours ? format("%.1f", per(mesh.tets)).c_str() : "",
+                   ours ? "" : format("%.3f", s.build_seconds).c_str(), s.version.c_str());
   }
   return text;
 }
@@ -68,33 +68,6 @@ std::string workload_text(const RaceWorkload& workload, const RaceOptions& optio
     if (row.verdict.rays != workload.rays)
       text += format("  of %llu rays", static_cast<unsigned long long>(row.verdict.rays));
     text += "\n";
-  }
-  return text;
-}
-
-/// Cost against size, where there are several meshes: one table a workload.
-std::string growth_text(const RaceResult& result) {
-  std::string text = "\nNanoseconds a ray, by mesh (triangles)\n";
-  std::vector<std::string> names;
-  for (const RaceMesh& mesh : result.meshes)
-    for (const RaceWorkload& workload : mesh.workloads)
-      if (std::find(names.begin(), names.end(), workload.name) == names.end()) names.push_back(workload.name);
-  for (const std::string& name : names) {
-    text += format("  %-24s", name.c_str());
-    for (const RaceMesh& mesh : result.meshes) text += format(" %12zu", mesh.triangles);
-    text += "\n";
-    for (const TracerKind& kind : chosen_tracers(result.options.tracers)) {
-      std::string line = format("    %-22s", kind.name.c_str());
-      bool any = false;
-      for (const RaceMesh& mesh : result.meshes) {
-        const auto workload = std::find_if(mesh.workloads.begin(), mesh.workloads.end(),
-                                           [&](const RaceWorkload& each) { return each.name == name; });
-        const RaceRow* row = workload == mesh.workloads.end() ? nullptr : workload->find(kind.name);
-        any = any || row;
-        line += format(" %12s", row ? count(summarize(row->ns).median).c_str() : "");
-      }
-      if (any) text += line + "\n";
-    }
   }
   return text;
 }
@@ -171,7 +144,7 @@ std::string race_table(const RaceResult& result) {
     text += structures_text(mesh, options.repeats);
     for (const RaceWorkload& workload : mesh.workloads) text += workload_text(workload, options);
   }
-  if (result.meshes.size() > 1) text += growth_text(result);
+  text += race_summary(result);
   text += format("\n%.1f s in all; answers of exact tracers that are wrong: %llu\n", result.seconds,
                  static_cast<unsigned long long>(result.failures()));
   return text;
