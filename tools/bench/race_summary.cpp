@@ -82,11 +82,10 @@ std::string race_summary(const RaceResult& result) {
     add("visited nodes or tetrahedra a ray",
         [](const RaceWorkload&, const RaceRow& row) { return row.visits ? digits(*row.visits, 3) : ""; });
     add("wrong + missed", [](const RaceWorkload& workload, const RaceRow& row) {
-      std::string counts = format("%llu + %llu", static_cast<unsigned long long>(row.verdict.wrong),
-                                  static_cast<unsigned long long>(row.verdict.missed));
-      if (row.verdict.rays != workload.rays)
-        counts += format(" of %llu", static_cast<unsigned long long>(row.verdict.rays));
-      return counts == "0 + 0" ? "0" : counts;
+      const auto [rays, wrong, missed] = row.verdict;
+      std::string counts = wrong + missed == 0 ? "0" : std::to_string(wrong) + " + " + std::to_string(missed);
+      if (rays != workload.rays) counts += " of " + std::to_string(rays);
+      return counts;
     });
   }
   if (result.meshes.size() < 2) return text;
