@@ -133,8 +133,33 @@ KdTree::KdTree(const PeerMesh& mesh) : numbers_(mesh.numbers) {
   const int depth =
       static_cast<int>(std::lround(8 + 1.3 * std::floor(std::log2(static_cast<double>(triangles.size())))));
   builder.build(std::move(triangles), box_, std::min(depth, static_cast<int>(kDeepest) - 1), 0);
+  sort_triangles();
   nodes_.shrink_to_fit();
   leaves_.shrink_to_fit();
+}
+
+/// In the order in which leaves name them: what is near in space then is in memory.
+void KdTree::sort_triangles() {
+  std::vector<std::uint32_t> place(corners_.size(), tetfmt::kNone);
+  std::vector<Corners> corners;
+  std::vector<tetfmt::Index> numbers;
+  const auto moved = [&](std::uint32_t& triangle) {
+    if (place[triangle] == tetfmt::kNone) {
+      place[triangle] = static_cast<std::uint32_t>(corners.size());
+      corners.push_back(corners_[triangle]);
+      numbers.push_back(numbers_[triangle]);
+    }
+    triangle = place[triangle];
+  };
+  for (Node& node : nodes_) {
+    if (!node.leaf()) continue;
+    if (node.above() == 1)
+      moved(node.value);
+    else
+      for (std::uint32_t i = 0; i < node.above(); ++i) moved(leaves_[node.value + i]);
+  }
+  corners_ = std::move(corners);
+  numbers_ = std::move(numbers);
 }
 
 std::uint64_t KdTree::bytes() const {

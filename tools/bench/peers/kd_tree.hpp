@@ -41,6 +41,7 @@ class KdTree {
   using Box = std::array<tetfmt::Vec3f, 2>;
   static constexpr std::size_t kDeepest = 64;
   struct Builder;
+  void sort_triangles();
 
   Box box_{};
   std::vector<Node> nodes_;
