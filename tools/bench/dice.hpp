@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <utility>
+#include <vector>
 
 namespace tetbench {
 
@@ -25,6 +27,11 @@ class Dice {
   std::uint64_t below(std::uint64_t n) { return next() % n; }
   double unit() { return static_cast<double>(next() >> 11) * 0x1p-53; }
   double between(double low, double high) { return low + (high - low) * unit(); }
+  /// Every order is as likely (Fisher and Yates).
+  template <class T>
+  void shuffle(std::vector<T>& values) {
+    for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[below(i)]);
+  }
   /// Evenly on the unit sphere.
   std::array<double, 3> direction() {
     for (;;) {

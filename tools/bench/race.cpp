@@ -41,11 +41,6 @@ std::vector<Kind> chosen(const std::vector<Kind>& kinds, const std::vector<std::
   return result;
 }
 
-template <class T>
-void shuffle(std::vector<T>& values, Dice& dice) {
-  for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[dice.below(i)]);
-}
-
 /// Opening and validating, each from the file's bytes on.
 void file_costs(RaceMesh& mesh, int repeats) {
   for (int i = 0; i < repeats; ++i) {
@@ -151,7 +146,7 @@ class MeshRace {
     for (std::size_t i = 0; i < entrants.size(); ++i) order.push_back(i);
     // The first round warms up, and shows what is right.
     for (int repeat = -1; repeat < options_.repeats; ++repeat) {
-      shuffle(order, dice);
+      dice.shuffle(order);
       for (const std::size_t i : order) {
         Entrant& entrant = entrants[i];
         const RayList& asked = entrant.rays(rays);

@@ -241,7 +241,7 @@ RayList shuffled(const RayList& rays, std::uint64_t seed) {
   Dice dice({seed, 5});
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < rays.size(); ++i) order.push_back(i);
-  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[dice.below(i)]);
+  dice.shuffle(order);
   RayList result = rays.picked(order);
   result.coherent = false;
   return result;
