@@ -57,6 +57,14 @@ struct RayMask {
     groups |= 1u << b / kGroupBlocks;
   }
   bool any() const { return groups != 0; }
+  /// Whether there are fewer rays than `count` in the set, all of them in one group.
+  bool fewer_than(int count) const {
+    if (!std::has_single_bit(groups)) return false;
+    int found = 0;
+    for (const std::uint64_t word : group[static_cast<std::size_t>(std::countr_zero(groups))])
+      found += std::popcount(word);
+    return found < count;
+  }
   std::uint32_t block(std::size_t b) const {
     return static_cast<std::uint16_t>(group[b / kGroupBlocks][b % kGroupBlocks / 4] >> (16 * (b % 4)));
   }

@@ -84,6 +84,14 @@ class FirstHitsTask {
     rays.for_each([&](std::size_t r) { hits_[r] = kMiss; });
   }
 
+  bool ends_in(Index, std::size_t) const {
+    return false;
+  }
+  bool meet_alone(const Line& line, const Leaving& leaving, std::size_t r) const {
+    describe_hit(view_, line, leaving, hits_[r]);
+    hits_[r].steps = 0;
+    return hits_[r].outcome == Outcome::hit;
+  }
   bool meet(const Line& line, const Leaving& leaving, const RayMask& rays, const TileRays& tile) const {
     const FaceMet face = face_met(view_, leaving);
     if (face.side == kNone) return false;
@@ -233,7 +241,31 @@ class OcclusionsTask {
     if ((filter_[tet / 64 % filter_.size()] >> (tet % 64) & 1u) == 0) return there;
     return find(tet, rays);
   }
+  bool ends_in(Index tet, std::size_t r) const {
+    if (tets_[r] != tet) return false;
+    outcomes_[r] = Outcome::miss;
+    return true;
+  }
   bool meet(const Line&, const Leaving& leaving, const RayMask& rays, const TileRays&) const {
+    meet(leaving, rays);
+    return true;
+  }
+  bool meet_alone(const Line&, const Leaving& leaving, std::size_t r) const {
+    RayMask ray;
+    ray.add(r);
+    meet(leaving, ray);
+    return true;
+  }
+  std::uint64_t alone(std::size_t r) const {
+    outcomes_[r] = occlusion(view_, from_, targets_[r]);
+    return 0;
+  }
+  void leave(const RayMask& rays) const {
+    rays.for_each([&](std::size_t r) { outcomes_[r] = Outcome::miss; });
+  }
+
+ private:
+  void meet(const Leaving& leaving, const RayMask& rays) const {
     std::array<Corner, 3> corners;
     std::array<Vec3d, 3> at;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -246,17 +278,7 @@ class OcclusionsTask {
       const bool late = sign != 0 ? sign > 0 : behind(corners[0], corners[1], corners[2], place(targets_[r]));
       outcomes_[r] = late ? Outcome::miss : Outcome::hit;  // the face may be met after the end
     });
-    return true;
   }
-  std::uint64_t alone(std::size_t r) const {
-    outcomes_[r] = occlusion(view_, from_, targets_[r]);
-    return 0;
-  }
-  void leave(const RayMask& rays) const {
-    rays.for_each([&](std::size_t r) { outcomes_[r] = Outcome::miss; });
-  }
-
- private:
   Place place(const Location& to) const { return {to.position, lift_of(view_, to)}; }
 
   /// False if there is no line to follow, or nothing on it.

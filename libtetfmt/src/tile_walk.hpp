@@ -25,13 +25,17 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Walks the rays that the task names, and tells it what becomes of them:
+/// Walks the rays of a task, and tells it what becomes of them. A task (tile_tasks.hpp) has
 ///
-///   set_rays(TileRays&)          fills in directions, as close to the exact ones as float is; returns the
-///   rays line(Line&, r)               makes a line from the origin the exact one of ray r entering(tet,
-///   RayMask&)      takes out the rays that end there meet(Leaving, RayMask)       these rays meet a
-///   constrained face. False if its indices do not exist alone(r)                     ray r is to be answered
-///   by itself; returns its steps leave(RayMask)               these rays met nothing
+///   size()               how many rays there are
+///   set_rays(rays, l)    fills in and encloses directions, as close to the exact ones as float is
+///                        (l: a line from the origin); returns the rays that have one: others go alone
+///   line(l, r)           makes l the exact line of ray r
+///   entering(tet, rays)  takes those that end in the tetrahedron out of `rays`, and returns them
+///   meet(l, leaving, rays, all)   these meet a constrained face; false if its indices do not exist
+///   ends_in(tet, r), meet_alone(l, leaving, r)   the same two for one ray and its line
+///   alone(r)             ray r is to be answered from its start, by itself; returns its steps
+///   leave(rays)          these met nothing
 template <bool kChecked, class Cells, class Task>
 class TileWalk {
  public:
@@ -297,7 +301,33 @@ class TileWalk {
     next.rays = rays;
   }
 
+  /// The rest of the way of a ray that has few beside it: a step of its own costs much less than a visit.
+  HWY_NOINLINE void walk_alone(const Pending& in, std::size_t r) {
+    Line line = line_;
+    task_.line(line, r);
+    RayMask ray;
+    ray.add(r);
+    bool sound = true, met = false;
+    const auto on_exit = [&](const Leaving& leaving) -> Continue {
+      if (is_tet(leaving.ref)) {
+        met = Task::kEndsInTets && task_.ends_in(leaving.ref, r);
+        if (!met) return {leaving.ref, leaving.tet};
+      } else if (leaving.ref != kHull) {
+        sound = met = task_.meet_alone(line, leaving, r);
+      }
+      return {};
+    };
+    const Signs signs(line, view_.bounds(), vertices_, {});
+    const auto steps = walk<kChecked>(view_, cells_, signs, in.tet, in.previous, in.by.ids, on_exit);
+    if (!steps || !sound) return one_by_one(ray);
+    visits_ += *steps;
+    if (met) unanswered_ = unanswered_ - ray;
+  }
+
   void visit(const Pending& in) {
+    // More visits than rays: tetrahedra are smaller than what lies between the rays.
+    if (visits_ > task_.size() && in.rays.fewer_than(kFewRays))
+      return in.rays.for_each([&](std::size_t r) { walk_alone(in, r); });
     ++visits_;
     const Index tet = in.tet;
     // No ray has come this far in a valid file, but the path may be one of several rays' parts.
@@ -336,6 +366,9 @@ class TileWalk {
       leave(tet, cells_.next(tet, in.previous, entry_rank, exit_rank), by, exits[k], in.steps + 1);
     }
   }
+
+  /// As many rays walk alone faster than together, once that the tile has turned out to share little.
+  static constexpr int kFewRays = 6;
 
   const FileView& view_;
   const Cells& cells_;

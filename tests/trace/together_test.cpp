@@ -130,7 +130,7 @@ TEST_F(TogetherTest, EveryWalkHasItsExactAndItsFloatSigns) {
   ASSERT_TRUE(view);
   std::vector<tetfmt::Location> places;
   std::vector<tetfmt::Vec3f> directions;
-  std::vector<BatchRay> rays;
+  std::vector<tetfmt::BatchRay> rays;
   const tetfmt::Vec3f target{1, 1, 1};
   const tetfmt::Location to = tetfmt::locate(*view, target);
   for (const tetfmt::Vec3f& v : mesh.vertices) {

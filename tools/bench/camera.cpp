@@ -34,17 +34,23 @@ std::vector<Vec3f> view_directions(int size, double field_of_view, const Orienta
   const auto half = static_cast<float>(std::tan(field_of_view * std::numbers::pi / 360));
   const auto across = [&](int pixel) { return half * (2 * (static_cast<float>(pixel) + 0.5F) / n - 1); };
   std::vector<Vec3f> directions;
-  const int tiles = (size + 15) / 16;
-  for (int tile = 0; tile < tiles * tiles; ++tile)
-    for (int i = 0; i < 256; ++i) {
-      const int block = i / 16, pixel = i % 16;
-      const int column = tile % tiles * 16 + block % 4 * 4 + pixel % 4,
-                row = tile / tiles * 16 + block / 4 * 4 + pixel / 4;
+  // In squares of 4 x 4 pixels, and these in squares of 2 x 2, and so on (Z order).
+  int bits = 0;
+  while (4 << bits < size) ++bits;
+  for (unsigned square = 0; square < 1U << 2 * bits; ++square) {
+    int left = 0, top = 0;
+    for (int bit = 0; bit < bits; ++bit) {
+      left |= static_cast<int>(square >> 2 * bit & 1U) << (bit + 2);
+      top |= static_cast<int>(square >> (2 * bit + 1) & 1U) << (bit + 2);
+    }
+    for (int pixel = 0; pixel < 16; ++pixel) {
+      const int column = left + pixel % 4, row = top + pixel / 4;
       if (column >= size || row >= size) continue;
       const float x = across(column), y = -across(row);
       directions.push_back({x * right.x + y * up.x + forward.x, x * right.y + y * up.y + forward.y,
                             x * right.z + y * up.z + forward.z});
     }
+  }
   return directions;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "bench/tracer.hpp"
+#include "tetfmt/batch.hpp"
 #include "tetfmt/kernels.hpp"
 
 namespace tetbench {
@@ -24,7 +25,7 @@ class Ours : public Tracer {
     structure_.name = layout == Layout::tet20 ? "Tet20" : "Tet16";
     for (const tetfmt::SectionKind kind :
          {tetfmt::kVertices, tetfmt::kTets, tetfmt::kSources, tetfmt::kSides, tetfmt::kTriangles,
-          tetfmt::kHullFaces, tetfmt::kOrigins, tetfmt::kInputTriangles})
+          tetfmt::kHullFaces, tetfmt::kSurfaceBounds, tetfmt::kOrigins, tetfmt::kInputTriangles})
       structure_.bytes += view_.view().section(kind).size();
   }
   const Structure& structure() const override { return structure_; }
@@ -98,36 +99,83 @@ class Varied : public Ours {
   tetfmt::Variant variant_;
 };
 
-/// Rays of one origin, walked together.
+/// Rays of one origin, walked together; segments to one place, from there.
 class Together : public Ours {
  public:
   using Ours::Ours;
   bool takes(const RayList& rays) const override {
+    if (!rays.to.empty())
+      return std::all_of(rays.to.begin(), rays.to.end(), [&](auto to) { return to == rays.to[0]; });
     return rays.one_origin() && !rays.occlusion && rays.unbounded();
   }
-  void trace(const RayList& rays, Answers& answers) const override {
-    each_part(rays, [&](std::size_t begin, std::span<const Hit> hits) {
-      for (std::size_t i = 0; i < hits.size(); ++i) answers[begin + i] = hits[i].triangle;
-    });
-  }
+  void trace(const RayList& rays, Answers& answers) const override { count_visits(rays, answers); }
   std::optional<double> visits(const RayList& rays) const override {
-    return static_cast<double>(each_part(rays, [](std::size_t, std::span<const Hit>) {})) /
-           static_cast<double>(rays.size());
+    Answers answers(rays.size());
+    return static_cast<double>(count_visits(rays, answers)) / static_cast<double>(rays.size());
   }
 
  private:
-  static constexpr std::size_t kPart = 256;
-  template <class Use>
-  std::uint64_t each_part(const RayList& rays, Use use) const {
+  static constexpr std::size_t kPart = 1024;
+  std::uint64_t count_visits(const RayList& rays, Answers& answers) const {
     std::array<Hit, kPart> hits;
+    std::array<Outcome, kPart> outcomes;
+    std::vector<tetfmt::Location> gathered;
     std::uint64_t visited = 0;
     for (std::size_t begin = 0; begin < rays.size(); begin += kPart) {
       const std::size_t count = std::min(kPart, rays.size() - begin);
-      visited += tetfmt::first_hits(view_, rays.places[0], std::span(rays.directions).subspan(begin, count),
-                                    std::span(hits).first(count));
-      use(begin, std::span<const Hit>(hits).first(count));
+      if (rays.to.empty()) {
+        visited += tetfmt::first_hits(view_, rays.places[0], std::span(rays.directions).subspan(begin, count),
+                                      std::span(hits).first(count));
+        for (std::size_t i = 0; i < count; ++i) answers[begin + i] = hits[i].triangle;
+      } else {
+        gathered.clear();
+        for (std::size_t i = begin; i < begin + count; ++i) gathered.push_back(rays.places[rays.from[i]]);
+        visited +=
+            tetfmt::occlusions(view_, rays.places[rays.to[0]], gathered, std::span(outcomes).first(count));
+        for (std::size_t i = 0; i < count; ++i) answers[begin + i] = answer(outcomes[i]);
+      }
     }
     return visited;
+  }
+};
+
+/// Rays of any places, walked side by side (trace_batch, occlude_batch).
+class Batch : public Ours {
+ public:
+  using Ours::Ours;
+  void trace(const RayList& rays, Answers& answers) const override {
+    if (!rays.to.empty())
+      each_part<tetfmt::BatchSegment, Outcome>(rays, answers, [&](std::size_t i) {
+        return tetfmt::BatchSegment{rays.from[i], rays.to[i]};
+      });
+    else if (rays.occlusion)
+      each_part<tetfmt::BatchRay, Outcome>(rays, answers, [&](std::size_t i) { return ray(rays, i); });
+    else
+      each_part<tetfmt::BatchRay, Hit>(rays, answers, [&](std::size_t i) { return ray(rays, i); });
+  }
+
+ private:
+  static constexpr std::size_t kPart = 1024;
+  static tetfmt::BatchRay ray(const RayList& rays, std::size_t i) {
+    return {rays.from[i], rays.directions[i], {0, double{rays.t_max[i]}}};
+  }
+  template <class Query, class Result, class Make>
+  void each_part(const RayList& rays, Answers& answers, Make make) const {
+    std::vector<Query> queries(kPart);
+    std::vector<Result> results(kPart);
+    for (std::size_t begin = 0; begin < rays.size(); begin += kPart) {
+      const std::size_t count = std::min(kPart, rays.size() - begin);
+      for (std::size_t i = 0; i < count; ++i) queries[i] = make(begin + i);
+      const auto asked = std::span<const Query>(queries).first(count);
+      const auto told = std::span(results).first(count);
+      if constexpr (std::is_same_v<Result, Hit>) {
+        tetfmt::trace_batch(view_, rays.places, asked, told);
+        for (std::size_t i = 0; i < count; ++i) answers[begin + i] = told[i].triangle;
+      } else {
+        tetfmt::occlude_batch(view_, rays.places, asked, told);
+        for (std::size_t i = 0; i < count; ++i) answers[begin + i] = answer(told[i]);
+      }
+    }
   }
 };
 
@@ -164,8 +212,12 @@ void add_ours(std::vector<TracerKind>& kinds) {
         [layout](Structures& s) { return std::make_unique<Single>(s, layout, Kernel::exact); });
     add("float", "the float kernel, one ray at a time", false,
         [layout](Structures& s) { return std::make_unique<Single>(s, layout, Kernel::float_only); });
-    add("together", "exact, rays of one origin walked together (first_hits)", true,
-        [layout](Structures& s) { return std::make_unique<Together>(s, layout); });
+    add("together",
+        "exact, rays from one place walked together (first_hits); those to a light, from the light "
+        "(occlusions)",
+        true, [layout](Structures& s) { return std::make_unique<Together>(s, layout); });
+    add("batch", "exact, rays of any places walked side by side (trace_batch, occlude_batch)", true,
+        [layout](Structures& s) { return std::make_unique<Batch>(s, layout); });
     if (!is_tet20) continue;  // what differs between the layouts does not depend on these
     for (const Variation& each : kVariations)
       add(each.name, each.description, each.variant.arithmetic != Arithmetic::float_only,

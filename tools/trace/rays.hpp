@@ -88,7 +88,7 @@ class Rays {
   /// The rays that may meet the box of one part, as that part takes them.
   struct Batch {
     std::vector<tetfmt::Location> places;
-    std::vector<BatchRay> rays;
+    std::vector<tetfmt::BatchRay> rays;
     std::vector<std::size_t> numbers;  ///< of these rays among all
     std::vector<tetfmt::Hit> hits;     ///< the answers, of one sort or the other
     std::vector<tetfmt::Outcome> outcomes;

@@ -6,24 +6,7 @@
 namespace tetprep {
 namespace {
 
-using tetfmt::FileView, tetfmt::Hit, tetfmt::Location, tetfmt::Outcome, tetfmt::Vec3f;
-
-// Loops, until libtetfmt has these.
-namespace library {
-
-void trace_batch(const FileView& view, std::span<const Location> places, std::span<const BatchRay> rays,
-                 std::span<Hit> hits) {
-  for (std::size_t i = 0; i < rays.size(); ++i)
-    hits[i] = tetfmt::first_hit(view, places[rays[i].from], rays[i].direction, rays[i].interval);
-}
-
-void occlude_batch(const FileView& view, std::span<const Location> places, std::span<const BatchRay> rays,
-                   std::span<Outcome> outcomes) {
-  for (std::size_t i = 0; i < rays.size(); ++i)
-    outcomes[i] = tetfmt::occlusion(view, places[rays[i].from], rays[i].direction, rays[i].interval);
-}
-
-}  // namespace library
+using tetfmt::BatchRay, tetfmt::FileView, tetfmt::Hit, tetfmt::Location, tetfmt::Outcome, tetfmt::Vec3f;
 
 tetfmt::Kernel kernel_of(Walks walks) {
   return walks == Walks::float_signs ? tetfmt::Kernel::float_only : tetfmt::Kernel::exact;
@@ -44,7 +27,7 @@ std::uint64_t first_hits(Walks walks, const FileView& view, const Location& from
 
 void first_hits(Walks walks, const FileView& view, std::span<const Location> places,
                 std::span<const BatchRay> rays, std::span<Hit> hits) {
-  if (walks == Walks::together) return library::trace_batch(view, places, rays, hits);
+  if (walks == Walks::together) return tetfmt::trace_batch(view, places, rays, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     hits[i] =
         tetfmt::first_hit(view, places[rays[i].from], rays[i].direction, rays[i].interval, kernel_of(walks));
@@ -53,7 +36,7 @@ void first_hits(Walks walks, const FileView& view, std::span<const Location> pla
 
 void occlusions(Walks walks, const FileView& view, std::span<const Location> places,
                 std::span<const BatchRay> rays, std::span<Outcome> outcomes) {
-  if (walks == Walks::together) return library::occlude_batch(view, places, rays, outcomes);
+  if (walks == Walks::together) return tetfmt::occlude_batch(view, places, rays, outcomes);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const BatchRay& ray = rays[i];
     const Location& from = places[ray.from];

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "tetfmt/batch.hpp"
 #include "tetfmt/traverse.hpp"
 
 namespace tetprep {
@@ -16,13 +17,6 @@ enum class Walks : std::uint8_t {
   float_signs,  ///< one by one, by tetfmt::Kernel::float_only
 };
 
-/// A ray from one of many places.
-struct BatchRay {
-  std::uint32_t from = 0;  ///< the number of its place
-  tetfmt::Vec3f direction;
-  tetfmt::Interval interval;
-};
-
 /// First hits of rays from one place. Returns the tetrahedra visited, each once for all rays that were in it
 /// together; only walks of single rays fill in Hit::steps.
 std::uint64_t first_hits(Walks walks, const tetfmt::FileView& view, const tetfmt::Location& from,
@@ -30,11 +24,11 @@ std::uint64_t first_hits(Walks walks, const tetfmt::FileView& view, const tetfmt
 
 /// First hits of rays from many places.
 void first_hits(Walks walks, const tetfmt::FileView& view, std::span<const tetfmt::Location> places,
-                std::span<const BatchRay> rays, std::span<tetfmt::Hit> hits);
+                std::span<const tetfmt::BatchRay> rays, std::span<tetfmt::Hit> hits);
 
 /// Whether anything is in the way: hit or miss, as tetfmt::occlusion has it.
 void occlusions(Walks walks, const tetfmt::FileView& view, std::span<const tetfmt::Location> places,
-                std::span<const BatchRay> rays, std::span<tetfmt::Outcome> outcomes);
+                std::span<const tetfmt::BatchRay> rays, std::span<tetfmt::Outcome> outcomes);
 
 /// Whether anything is between each place and `target`, on the exact line. Float signs follow a rounded one.
 void occlusions(Walks walks, const tetfmt::FileView& view, std::span<const tetfmt::Location> places,
