@@ -44,9 +44,12 @@ TEST(ReduceCrossings, KeepsTheMeshSoundAndTheSurfaceWhole) {
       TetMesh after = before;
       const CrossingReport report = reduce_crossings(after, effort, progress);
       expect_sound(surface, after);
-      EXPECT_EQ(after.points, before.points);
+      // Steiner points may move and go, the others not.
+      const auto fixed = static_cast<std::ptrdiff_t>(surface.points.size() + 8);
+      EXPECT_TRUE(std::equal(before.points.begin(), before.points.begin() + fixed, after.points.begin()));
+      EXPECT_LE(after.points.size(), before.points.size());
       EXPECT_LE(report.area_after, report.area_before);
-      EXPECT_EQ(report.flips == 0, report.area_after == report.area_before);
+      EXPECT_EQ(report.replacements == 0, report.area_after == report.area_before);
       // A second look starts from what the first one reached, and agrees with it about the area.
       const CrossingReport again = reduce_crossings(after, effort, progress);
       EXPECT_NEAR(again.area_before, report.area_after, 1e-9 * report.area_after);
@@ -63,9 +66,9 @@ TEST(ReduceCrossings, TakesAwayMuchOfTheAreaAroundABall) {
   TetMesh fast = mesh, best = mesh;
   const CrossingReport by_fast = reduce_crossings(fast, Optimize::fast, progress);
   const CrossingReport by_best = reduce_crossings(best, Optimize::best, progress);
-  EXPECT_LT(by_fast.area_after, 0.97 * by_fast.area_before);
-  EXPECT_LT(by_best.area_after, 0.9 * by_best.area_before);
-  EXPECT_LT(by_fast.flips, by_best.flips);
+  EXPECT_LT(by_fast.area_after, 0.75 * by_fast.area_before);
+  EXPECT_LT(by_best.area_after, 0.75 * by_best.area_before);
+  EXPECT_LE(by_best.area_after, by_fast.area_after);
 }
 
 TEST(ReduceCrossings, IsTheSameForAnyNumberOfThreads) {
@@ -89,7 +92,7 @@ TEST(ReduceCrossings, KeepsEveryTetInItsRegion) {
   sort_tets(mesh);
   find_regions(mesh);
   tetprep::Progress progress;
-  EXPECT_GT(reduce_crossings(mesh, Optimize::best, progress).flips, 100u);
+  EXPECT_GT(reduce_crossings(mesh, Optimize::best, progress).replacements, 100u);
   expect_sound(surface, mesh);
   // Each region is still one space, and none has become two: found anew, they differ in their numbers alone.
   const std::vector<Index> kept = mesh.region;
@@ -106,7 +109,7 @@ TEST(ReduceCrossings, NoneChangesNothing) {
   const TetMesh before = fill(snap(ball(6)));
   TetMesh after = before;
   const CrossingReport report = reduce_crossings(after, Optimize::none, progress);
-  EXPECT_EQ(report.flips, 0u);
+  EXPECT_EQ(report.replacements, 0u);
   EXPECT_EQ(after.tets, before.tets);
   EXPECT_EQ(after.neighbors, before.neighbors);
 }

@@ -88,6 +88,7 @@ class Conversion {
         if (options_.optimize != Optimize::none) {
           log_.begin("reduce crossings");
           report_.crossings = reduce_crossings(tets, options_.optimize, progress_);
+          sort_tets(tets);
         }
         sort_out_regions(tets, surface);
         log_.begin("order");

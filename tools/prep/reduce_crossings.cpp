@@ -5,207 +5,104 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "prep/box.hpp"
-#include "prep/flips.hpp"
-#include "prep/take_tets.hpp"
+#include "prep/cone_finder.hpp"
+#include "prep/replace_tets.hpp"
 
 namespace tetprep {
 namespace {
 
-using Face = std::array<Index, 3>;
+/// A gap for every so many tets: now and then more tets come than go.
+constexpr std::size_t kGapSpacing = 16;
+/// Tets of a block, at least and at most; else an eighth of all. They decide about the result, so threads may
+/// not.
+constexpr std::size_t kSmallestBlock = 4096, kLargestBlock = 65536;
+/// Tets that one task measures.
+constexpr std::size_t kPart = 4096;
 
-/// Optimize::fast considers a flip only if the faces that it would replace have this many times the area that
-/// there is per tetrahedron: large faces are few and hold most of the area. On the armadillo (52,000
-/// triangles) that is a tenth of the flips and of the time, and rays then cross 5 to 15 % more tetrahedra
-/// than with all.
-constexpr double kWorthwhile = 5;
-/// Tets whose flips are looked for at the same time, by all threads, before any of these is made. A constant,
-/// for the result depends on it.
-constexpr std::size_t kBatch = 16384;
+constexpr std::uint8_t kAllCorners = 0b1111;
 
-Face face_of(const std::array<Index, 4>& tet, std::size_t opposite) {
-  Face face{};
-  for (std::size_t k = 0, n = 0; k < 4; ++k)
-    if (k != opposite) face[n++] = tet[k];
-  return face;
-}
+struct BlockResult {
+  double gain = 0;
+  Index replacements = 0;
+};
 
-Face sorted(Face face) {
-  std::sort(face.begin(), face.end());
-  return face;
-}
-
-/// Carries out flips, and keeps the rest of the mesh in step.
-class Flipper {
+/// What one thread needs to improve blocks, one after the other.
+class Worker {
  public:
-  explicit Flipper(TetMesh& mesh) : mesh_(mesh), original_(static_cast<Index>(mesh.tets.size())) {}
+  Worker(TetMesh& mesh, std::vector<std::uint8_t>& pending)
+      : mesh_(mesh), pending_(pending), finder_(mesh), replacer_(mesh) {}
 
-  /// The tets that have come, until the next call. All of flip.old_tets must still be there.
-  const std::vector<Index>& apply(const Flip& flip) {
-    rim_.clear();
-    for (const Index t : flip.old_tets) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        const Index outside = mesh_.neighbors[t][k];
-        if (std::find(flip.old_tets.begin(), flip.old_tets.end(), outside) != flip.old_tets.end()) continue;
-        rim_.push_back({sorted(face_of(mesh_.tets[t], k)), outside, mesh_.face_triangle[t][k]});
-      }
+  /// Looks at every corner that is pending, and at those of tets that come, until nothing is found.
+  BlockResult improve(const Block& block) {
+    BlockResult result;
+    finder_.enter(block);
+    replacer_.enter(block);
+    next_.clear();
+    for (Index t = block.first; t < block.end; ++t) look(t, result);
+    while (!next_.empty()) {
+      current_.swap(next_);
+      next_.clear();
+      for (const Index t : current_) look(t, result);
     }
-    made_.clear();
-    for (std::size_t i = 0; i < flip.new_tets.size(); ++i) {
-      made_.push_back(i < flip.old_tets.size() ? flip.old_tets[i] : fresh(flip.old_tets[0]));
-      mesh_.tets[made_[i]] = flip.new_tets[i];
-    }
-    for (std::size_t i = flip.new_tets.size(); i < flip.old_tets.size(); ++i) {
-      mesh_.tets[flip.old_tets[i]].fill(kNone);
-      free_.push_back(flip.old_tets[i]);
-    }
-    for (const Index t : made_)
-      for (std::size_t k = 0; k < 4; ++k) link(t, k);
-    return made_;
-  }
-
-  bool is_gone(Index t) const { return mesh_.tets[t][0] == kNone; }
-
-  /// Closes the gaps that removed tets have left. Added ones go where those were that they came from: the
-  /// order follows space.
-  void compact() {
-    std::vector<Index> added(anchor_.size());
-    for (std::size_t i = 0; i < added.size(); ++i) added[i] = static_cast<Index>(i);
-    std::stable_sort(added.begin(), added.end(), [&](Index a, Index b) { return anchor_[a] < anchor_[b]; });
-    std::vector<Index> left;
-    left.reserve(mesh_.tets.size());
-    auto next = added.begin();
-    for (Index t = 0; t < original_; ++t) {
-      if (!is_gone(t)) left.push_back(t);
-      for (; next != added.end() && anchor_[*next] == t; ++next)
-        if (const Index a = original_ + *next; !is_gone(a)) left.push_back(a);
-    }
-    take_tets(mesh_, left);
+    return result;
   }
 
  private:
-  /// A face on the boundary of what is being replaced.
-  struct Rim {
-    Face face;  ///< ascending
-    Index outside, triangle;
-  };
-
-  /// Finds what lies across face k of the new tet t: the rim's outside, or another new one.
-  void link(Index t, std::size_t k) {
-    const Face face = sorted(face_of(mesh_.tets[t], k));
-    mesh_.face_triangle[t][k] = kNone;
-    for (const Rim& rim : rim_) {
-      if (rim.face != face) continue;
-      mesh_.neighbors[t][k] = rim.outside;
-      mesh_.face_triangle[t][k] = rim.triangle;
-      if (rim.outside == kNone) return;
-      for (std::size_t j = 0; j < 4; ++j) {
-        const Index apex = mesh_.tets[rim.outside][j];
-        if (std::find(face.begin(), face.end(), apex) == face.end()) mesh_.neighbors[rim.outside][j] = t;
+  void look(Index t, BlockResult& result) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if ((pending_[t] >> k & 1) == 0 || !finder_.go_to(t, k)) continue;
+      for (const Index other : finder_.around()) {
+        std::size_t j = 0;
+        while (mesh_.tets[other][j] != finder_.vertex()) ++j;
+        pending_[other] &= static_cast<std::uint8_t>(~(1u << j));
       }
-      return;
-    }
-    for (const Index other : made_) {
-      if (other == t) continue;
-      for (std::size_t j = 0; j < 4; ++j) {
-        if (sorted(face_of(mesh_.tets[other], j)) != face) continue;
-        mesh_.neighbors[t][k] = other;
-        return;
+      if (!finder_.find(cone_) || !replacer_.apply(cone_)) continue;
+      result.gain += cone_.gain;
+      ++result.replacements;
+      for (const Index gone : cone_.tets) pending_[gone] = 0;
+      for (const Index made : replacer_.made()) {
+        pending_[made] = kAllCorners;
+        next_.push_back(made);
       }
     }
-  }
-
-  /// A place for a new tet among the likes of tet `origin`.
-  Index fresh(Index origin) {
-    Index t = static_cast<Index>(mesh_.tets.size());
-    if (!free_.empty()) {
-      t = free_.back();
-      free_.pop_back();
-    } else {
-      if (mesh_.tets.capacity() == mesh_.tets.size()) {  // doubling would take much memory for few tets
-        const std::size_t room = mesh_.tets.size() + mesh_.tets.size() / 16 + 64;
-        mesh_.tets.reserve(room);
-        mesh_.neighbors.reserve(room);
-        mesh_.face_triangle.reserve(room);
-        mesh_.region.reserve(mesh_.region.empty() ? 0 : room);
-      }
-      mesh_.tets.emplace_back();
-      mesh_.neighbors.emplace_back();
-      mesh_.face_triangle.emplace_back();
-      if (!mesh_.region.empty()) mesh_.region.emplace_back();
-      anchor_.push_back(origin < original_ ? origin : anchor_[origin - original_]);
-    }
-    if (!mesh_.region.empty()) mesh_.region[t] = mesh_.region[origin];
-    return t;
   }
 
   TetMesh& mesh_;
-  Index original_;             ///< tets at the start; what was added has numbers from there on
-  std::vector<Index> anchor_;  ///< of each added tet the original one that it came from, or near to it
-  std::vector<Index> free_;    ///< places of tets that are gone
-  std::vector<Rim> rim_;
-  std::vector<Index> made_;
+  std::vector<std::uint8_t>& pending_;
+  ConeFinder finder_;
+  TetReplacer replacer_;
+  Cone cone_;
+  std::vector<Index> current_, next_;
 };
 
 class Reducer {
  public:
-  Reducer(TetMesh& mesh, Progress& progress) : mesh_(mesh), progress_(progress), flipper_(mesh) {}
+  Reducer(TetMesh& mesh, Progress& progress) : mesh_(mesh), progress_(progress) {}
 
-  CrossingReport run(Optimize effort) {
+  CrossingReport run(Optimize /*effort*/) {
     CrossingReport report;
     const double free_area = measure();
-    // A flip replaces up to six faces that make up the threshold or more: one of them has a sixth of it.
-    const double threshold =
-        effort == Optimize::best ? 0 : kWorthwhile * free_area / static_cast<double>(mesh_.tets.size());
-    const double large = threshold / 6;
-    std::vector<Index> current, next;
-    for (std::size_t t = 0; t < largest_face_.size(); ++t)
-      if (largest_face_[t] >= large) current.push_back(static_cast<Index>(t));
-
-    tbb::enumerable_thread_specific<FlipFinder> finders([&] { return FlipFinder(mesh_, threshold); });
-    bool first_pass = true;
-    const auto find = [&](Index t, Flip& flip) {
-      if (flipper_.is_gone(t) || (!first_pass && largest_face(t) < large)) return false;
-      // In the first pass, every ring is looked at from the first of its tets alone.
-      const auto is_elsewhere = [&](Index other) {
-        return first_pass && other < t && largest_face_[other] >= large;
-      };
-      return finders.local().find(t, is_elsewhere, flip);
-    };
-
+    const std::vector<bool> used = used_points();
+    make_gaps(mesh_, kGapSpacing);
+    const std::size_t count = mesh_.tets.size();
+    pending_.assign(count, kAllCorners);
+    for (std::size_t t = 0; t < count; ++t)
+      if (is_gap(mesh_, static_cast<Index>(t))) pending_[t] = 0;
+    // Each thread has a block of its own, to read and to write. What lies where blocks meet is looked at with
+    // blocks that meet elsewhere, and what is then left by one thread.
+    const std::size_t size = std::clamp(count / 8, kSmallestBlock, kLargestBlock);
     double gained = 0;
-    std::size_t done = 0, expected = current.size() + current.size() / 2;
-    changed_.assign(mesh_.tets.size(), 0);
-    queued_.assign(mesh_.tets.size(), 0);
-    std::vector<Flip> flips(kBatch);
-    std::vector<char> found(kBatch);
-    // Every tet once, then those that flips have made, until none of them allows another flip. Finding takes
-    // nearly all of the time, and changes nothing: all threads do it. Then the flips are made one by one.
-    while (!current.empty()) {
-      for (std::size_t first = 0; first < current.size(); first += kBatch) {
-        const std::size_t count = std::min(kBatch, current.size() - first);
-        tbb::parallel_for(std::size_t{0}, count,
-                          [&](std::size_t i) { found[i] = find(current[first + i], flips[i]) ? 1 : 0; });
-        ++batch_;
-        for (std::size_t i = 0; i < count; ++i) {
-          if (found[i] == 0) continue;
-          // Another flip of this batch may have been faster.
-          if (is_outdated(flips[i]) && !find(current[first + i], flips[i])) continue;
-          gained += flips[i].gain;
-          ++report.flips;
-          make(flips[i], next);
-        }
-        done += count;
-        progress_.fraction(std::min(1.0, static_cast<double>(done) / static_cast<double>(expected)));
-      }
-      current.swap(next);
-      next.clear();
-      first_pass = false;
-      for (const Index t : current) queued_[t] = 0;
+    for (const std::size_t shift : {std::size_t{0}, size / 2, count}) {
+      const BlockResult result = improve(shift, size);
+      gained += result.gain;
+      report.replacements += result.replacements;
     }
-    if (report.flips > 0) flipper_.compact();
+    close_gaps(mesh_);
+    drop_points(used);
     const double box = box_area();
     report.area_before = free_area / box;
     report.area_after = (free_area - gained) / box;
@@ -213,49 +110,64 @@ class Reducer {
   }
 
  private:
-  void make(const Flip& flip, std::vector<Index>& next) {
-    for (const Index t : flip.old_tets) changed_[t] = batch_;
-    for (const Index t : flipper_.apply(flip)) {
-      if (t >= changed_.size()) {
-        changed_.resize(t + 1);
-        queued_.resize(t + 1);
-      }
-      changed_[t] = batch_;
-      if (std::exchange(queued_[t], 1) == 0) next.push_back(t);
+  std::vector<bool> used_points() const {
+    std::vector<bool> used(mesh_.points.size(), false);
+    for (const auto& tet : mesh_.tets)
+      for (const Index v : tet) used[v] = true;
+    return used;
+  }
+
+  /// Takes away the points that belonged to some tet and no longer do.
+  void drop_points(const std::vector<bool>& used_before) {
+    const std::vector<bool> used = used_points();
+    std::vector<Index> new_number(used.size());
+    Index count = 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      new_number[i] = count;
+      if (used[i] || !used_before[i]) mesh_.points[count++] = mesh_.points[i];
     }
+    if (count == used.size()) return;
+    mesh_.points.resize(count);
+    for (auto& tet : mesh_.tets)
+      for (Index& v : tet) v = new_number[v];
   }
 
-  bool is_outdated(const Flip& flip) const {
-    return std::any_of(flip.old_tets.begin(), flip.old_tets.end(),
-                       [&](Index t) { return changed_[t] == batch_; });
+  BlockResult improve(std::size_t shift, std::size_t size) {
+    const std::size_t count = mesh_.tets.size();
+    std::vector<Block> blocks;
+    for (std::size_t first = 0, end = shift == 0 ? size : shift; first < count; first = end, end += size)
+      blocks.push_back({static_cast<Index>(first), static_cast<Index>(std::min(end, count))});
+    std::vector<BlockResult> results(blocks.size());
+    tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(mesh_, pending_); });
+    tbb::parallel_for(
+        std::size_t{0}, blocks.size(),
+        [&](std::size_t i) { results[i] = workers.local().improve(blocks[i]); }, tbb::simple_partitioner());
+    BlockResult sum;
+    for (const BlockResult& result : results) {
+      sum.gain += result.gain;
+      sum.replacements += result.replacements;
+    }
+    return sum;
   }
 
-  double face_area(std::size_t t, std::size_t opposite) const {
-    const Face f = face_of(mesh_.tets[t], opposite);
-    return triangle_area(mesh_.points[f[0]], mesh_.points[f[1]], mesh_.points[f[2]]);
+  double face_area(std::size_t t, std::size_t k) const {
+    const auto& v = mesh_.tets[t];
+    const auto& face = kFaceCorners[k];
+    return triangle_area(mesh_.points[v[face[0]]], mesh_.points[v[face[1]]], mesh_.points[v[face[2]]]);
   }
 
-  double largest_face(std::size_t t) const {
-    return std::max({face_area(t, 0), face_area(t, 1), face_area(t, 2), face_area(t, 3)});
-  }
-
-  /// Makes every tet positive, fills largest_face_, and returns the area of all faces between two tets that
-  /// no triangle constrains.
+  /// Makes every tet positive, and returns the area of all faces between two tets that no triangle
+  /// constrains.
   double measure() {
     const std::size_t count = mesh_.tets.size();
-    largest_face_.resize(count);
-    std::vector<double> sums((count + kBatch - 1) / kBatch, 0.0);  // added in one order, whatever the threads
+    std::vector<double> sums((count + kPart - 1) / kPart, 0.0);  // added in one order, whatever the threads
     tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t block) {
-      for (std::size_t t = block * kBatch; t < std::min(count, (block + 1) * kBatch); ++t) {
+      for (std::size_t t = block * kPart; t < std::min(count, (block + 1) * kPart); ++t) {
         make_positive(t);
-        double largest = 0;
         for (std::size_t k = 0; k < 4; ++k) {
-          const double area = face_area(t, k);
-          largest = std::max(largest, area);
           const bool free = mesh_.face_triangle[t][k] == kNone && mesh_.neighbors[t][k] != kNone;
-          if (free) sums[block] += area / 2;  // the tet beyond has the other half
+          if (free) sums[block] += face_area(t, k) / 2;  // the tet beyond has the other half
         }
-        largest_face_[t] = static_cast<float>(largest);
       }
     });
     double sum = 0;
@@ -281,11 +193,7 @@ class Reducer {
 
   TetMesh& mesh_;
   Progress& progress_;
-  Flipper flipper_;
-  std::vector<float> largest_face_;  ///< its area, of every tet at the start
-  std::vector<Index> changed_;       ///< the last batch that changed a tet
-  Index batch_ = 0;
-  std::vector<char> queued_;  ///< tets of the next pass
+  std::vector<std::uint8_t> pending_;  ///< of each tet the corners to look at, a bit each
 };
 
 }  // namespace

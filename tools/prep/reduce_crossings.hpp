@@ -7,24 +7,24 @@ namespace tetprep {
 
 enum class Optimize {
   none,
-  fast,  ///< only where much area is at stake
-  best,  ///< everywhere, until no move is left
+  fast,  ///< once over everything, then where something changed
+  best,  ///< until nothing is left to gain
 };
 
 struct CrossingReport {
   double area_before = 0, area_after = 0;  ///< of all unconstrained faces inside, in areas of the box
-  Index flips = 0;
+  Index replacements = 0;                  ///< sets of tets replaced by others
 };
 
-/// Flips tetrahedra until the total area of the unconstrained faces is locally least: the crossings of a
-/// random line are expected to be proportional to it (the Cauchy-Crofton formula). Two moves, each taken
-/// where it makes the area smaller: an edge is removed and the ring of its tetrahedra filled again by dynamic
-/// programming (Shewchuk 2002, "Two discrete optimization algorithms for the topological improvement of
-/// tetrahedral meshes"), and a face is replaced by the edge between the two vertices opposite it.
+/// Replaces tetrahedra until the total area of the unconstrained faces is locally least: the crossings of a
+/// random line are expected to be proportional to it (the Cauchy-Crofton formula). The move is the one of
+/// cone_finder.hpp, at every vertex, taken where it makes the area smaller; spec/crossings.md has what was
+/// tried and measured.
 ///
-/// Points, constrained faces, the hull and regions stay as they are, and so do the ends of a mesh of which
-/// space was left out; every new tetrahedron is strictly positive by exact arithmetic. Tets keep their order,
-/// new ones stand where the old ones did. Deterministic for any number of threads. About O(tets).
+/// The surface's points, constrained faces, the hull and regions stay as they are, and so do the ends of a
+/// mesh of which space was left out; Steiner points move, and some go.
+/// Every new tetrahedron is strictly positive by exact arithmetic. Tets keep their order, new ones stand
+/// where the old ones did. Deterministic for any number of threads. About O(tets).
 CrossingReport reduce_crossings(TetMesh& mesh, Optimize effort, Progress& progress);
 
 }  // namespace tetprep

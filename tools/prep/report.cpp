@@ -149,7 +149,7 @@ std::string to_json(const ConvertOptions& options, const ConvertReport& report, 
   }
   json["tetgen"] = tetgen_json(report.tetrahedralize);
   if (options.optimize != Optimize::none)
-    json["crossings"] = {{"flips", report.crossings.flips},
+    json["crossings"] = {{"replacements", report.crossings.replacements},
                          {"area_before", report.crossings.area_before},
                          {"area_after", report.crossings.area_after}};
   json["regions"] = {{"count", report.regions.count},

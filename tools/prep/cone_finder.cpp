@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: AGPL-3.0-or-later
+#include "prep/cone_finder.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace tetprep {
+namespace {
+
+/// A cone must gain at least this share of the area around its point; rounding then cannot make two of them
+/// undo each other for ever.
+constexpr double kLeastGain = 1e-6;
+/// A search does not go on behind a tet if taking it would cost this share of the area around the point, less
+/// what the tets in front of it gain.
+constexpr double kMostDebt = 0.3;
+/// A move must gain more: there is no end to small ones.
+constexpr double kLeastGainOfMove = 1e-3;
+
+using Vector = std::array<double, 3>;
+
+Vector from(const GridPoint& p, const GridPoint& q) {
+  return {double(q[0] - p[0]), double(q[1] - p[1]), double(q[2] - p[2])};
+}
+
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+double length(const Vector& a) {
+  return std::sqrt(dot(a, a));
+}
+
+/// The point with the least sum of areas of its triangles to edges, each given by one end and what leads to
+/// the other. That sum is convex. Weiszfeld's iteration for distances to lines.
+Vector least_area(const std::vector<std::pair<Vector, Vector>>& edges, Vector p) {
+  constexpr int kSteps = 8;
+  for (int step = 0; step < kSteps; ++step) {
+    std::array<Vector, 3> rows{};
+    Vector right{};
+    for (const auto& [end, along] : edges) {
+      const double edge = length(along);
+      const Vector to{p[0] - end[0], p[1] - end[1], p[2] - end[2]};
+      const double distance = length(cross(to, along)) / edge;
+      const double weight = edge / std::max(distance, 1 + edge * 1e-3);
+      const double shift = dot(end, along) / (edge * edge);
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j)
+          rows[i][j] += weight * ((i == j ? 1 : 0) - along[i] * along[j] / (edge * edge));
+        right[i] += weight * (end[i] - along[i] * shift);
+      }
+    }
+    const Vector minor = cross(rows[1], rows[2]);
+    const double determinant = dot(rows[0], minor);
+    if (!(determinant > 0)) break;
+    // The matrix is symmetric: its rows are its columns.
+    p = {dot(right, minor) / determinant, dot(rows[0], cross(right, rows[2])) / determinant,
+         dot(rows[0], cross(rows[1], right)) / determinant};
+  }
+  return p;
+}
+
+}  // namespace
+
+bool ConeFinder::go_to(Index t, std::size_t k) {
+  vertex_ = mesh_.tets[t][k];
+  around_.clear();
+  is_inside_ = true;
+  known_.clear();
+  const auto add = [&](Index tet) {
+    if (known_.find(tet) != nullptr) return true;
+    if (around_.size() == kMostAround || !block_.has_inside(mesh_, tet)) return false;
+    known_.put(tet, kAround);
+    around_.push_back(tet);
+    return true;
+  };
+  if (!add(t)) return false;
+  for (std::size_t i = 0; i < around_.size(); ++i) {
+    const Index tet = around_[i];
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (mesh_.tets[tet][j] == vertex_) continue;
+      if (!is_free(tet, j)) {
+        is_inside_ = false;
+        // Around the end of a sheet: its two sides would be one face of the cone.
+        if (known_.find(mesh_.neighbors[tet][j]) != nullptr) return false;
+      } else if (!add(mesh_.neighbors[tet][j])) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+bool ConeFinder::find(Cone& cone) {
+  const double area = area_around();
+  most_debt_ = kMostDebt * area;
+  if (is_inside_ && find_place(area, cone)) return true;
+  look_around(point(vertex_));
+  const double gain = closure_.solve();
+  if (!(gain > kLeastGain * area)) return false;
+  collect(point(vertex_), gain, cone);
+  return true;
+}
+
+/// Moves an inner vertex towards the place that is best for the tets around it.
+bool ConeFinder::find_place(double area, Cone& cone) {
+  const Index v = vertex_;
+  const GridPoint old = point(v);
+  std::vector<std::pair<Vector, Vector>> edges;
+  edges_.clear();
+  for (const Index t : around_) {
+    const auto& corners = mesh_.tets[t];
+    for (const auto k = corner_of(t, v); const std::size_t i : {0, 1, 2}) {
+      const Index a = corners[kFaceCorners[k][i]], b = corners[kFaceCorners[k][(i + 1) % 3]];
+      if (a > b) continue;  // the tet beyond that edge has it, too
+      edges_.push_back({a, b});
+      edges.push_back({from(old, point(a)), from(point(a), point(b))});
+    }
+  }
+  const Vector wanted = least_area(edges, {});
+  constexpr int kTries = 6;
+  double share = 1;
+  for (int i = 0; i < kTries; ++i, share /= 2) {
+    GridPoint place = old;
+    for (std::size_t k = 0; k < 3; ++k) place[k] += static_cast<std::int32_t>(std::lround(share * wanted[k]));
+    if (place == old) break;
+    const bool sees_all = std::all_of(around_.begin(), around_.end(), [&](Index t) {
+      auto corners = mesh_.tets[t];
+      const auto& face = kFaceCorners[corner_of(t, v)];
+      return tetfmt::orientation(point(corners[face[0]]), point(corners[face[1]]), point(corners[face[2]]),
+                                 place) > 0;
+    });
+    if (!sees_all) continue;
+    double after = 0;
+    for (const auto& [a, b] : edges_) after += triangle_area(place, point(a), point(b));
+    look_around(place);
+    const double gain = area - after + closure_.solve();
+    if (!(gain > kLeastGainOfMove * area)) continue;
+    collect(place, gain, cone);
+    return true;
+  }
+  return false;
+}
+
+/// Area of the free faces at the vertex.
+double ConeFinder::area_around() const {
+  double twice = 0;
+  for (const Index t : around_) {
+    const auto& corners = mesh_.tets[t];
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (corners[k] == vertex_ || !is_free(t, k)) continue;
+      const auto& face = kFaceCorners[k];
+      twice += triangle_area(point(corners[face[0]]), point(corners[face[1]]), point(corners[face[2]]));
+    }
+  }
+  return twice / 2;
+}
+
+/// Fills seen_ and closure_ with the tets that p sees across those around the vertex, which p may be in
+/// place of, the nearest first.
+void ConeFinder::look_around(const GridPoint& p) {
+  known_.clear();
+  for (const Index t : around_) known_.put(t, kAround);
+  seen_.clear();
+  closure_.clear();
+  for (const Index t : around_)
+    if (const std::size_t k = corner_of(t, vertex_); is_free(t, k)) look_at(mesh_.neighbors[t][k], p);
+  for (std::size_t i = 0; i < seen_.size() && seen_.size() < kMostSeen; ++i) {
+    const auto [t, turned, debt] = seen_[i];
+    if (debt > most_debt_) continue;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (!turned[k] && is_free(t, k)) look_at(mesh_.neighbors[t][k], p);
+  }
+}
+
+/// Adds tet t, if p can see it in full and what is in front of it has been added.
+void ConeFinder::look_at(Index t, const GridPoint& p) {
+  if (known_.find(t) != nullptr) return;
+  const auto refuse = [&] { known_.put(t, kRefused); };
+  const auto& corners = mesh_.tets[t];
+  if (!block_.has_inside(mesh_, t)) return refuse();
+  if (std::find(corners.begin(), corners.end(), vertex_) != corners.end()) return refuse();
+  std::array<Vector, 4> to{};
+  for (std::size_t k = 0; k < 4; ++k) to[k] = from(p, point(corners[k]));
+  // Of the edges: twice the triangle's area to p, as a vector.
+  static constexpr std::array<std::array<std::size_t, 2>, 6> kEdges{
+      {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+  std::array<Vector, 6> normal{};
+  for (std::size_t e = 0; e < 6; ++e) normal[e] = cross(to[kEdges[e][0]], to[kEdges[e][1]]);
+  // Six times the volume of p's tet on each face: above 0 where the face is turned to p. Differences are of
+  // 24 bits, so the normals are exact, and what follows is less than 2^25 off.
+  constexpr double kSure = 0x1p25;
+  const std::array<double, 4> volume{-dot(normal[5], to[1]), dot(normal[5], to[0]), -dot(normal[0], to[3]),
+                                     dot(normal[0], to[2])};
+  Seen seen{t, {}, 0};
+  std::array<int, Closure::kMostRequired> required{};
+  std::size_t required_count = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (std::abs(volume[k]) > kSure) {
+      seen.turned[k] = volume[k] > 0;
+    } else {
+      const auto& face = kFaceCorners[k];
+      const int sign =
+          tetfmt::orientation(point(corners[face[0]]), point(corners[face[1]]), point(corners[face[2]]), p);
+      if (sign == 0) return refuse();
+      seen.turned[k] = sign < 0;
+    }
+    if (!seen.turned[k]) continue;
+    if (!is_free(t, k)) return refuse();
+    const int* in_front = known_.find(mesh_.neighbors[t][k]);
+    if (in_front == nullptr) return;  // it may still come, and this one then comes up again
+    if (*in_front == kRefused) return refuse();
+    if (*in_front == kAround) continue;
+    if (required_count == Closure::kMostRequired) return refuse();
+    required[required_count++] = *in_front;
+  }
+  double worth = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!seen.turned[k]) continue;
+    const auto& face = kFaceCorners[k];
+    worth += triangle_area(point(corners[face[0]]), point(corners[face[1]]), point(corners[face[2]]));
+  }
+  for (std::size_t e = 0; e < 6; ++e) {
+    // The faces at an edge are those opposite the corners of the opposite edge.
+    const auto& [i, j] = kEdges[5 - e];
+    if (seen.turned[i] != seen.turned[j]) continue;
+    const double area = length(normal[e]) / 2;
+    worth += seen.turned[i] ? area : -area;
+  }
+  for (std::size_t i = 0; i < required_count; ++i)
+    seen.debt += seen_[static_cast<std::size_t>(required[i])].debt;
+  seen.debt = std::max(0.0, seen.debt - worth);
+  known_.put(t, static_cast<int>(seen_.size()));
+  seen_.push_back(seen);
+  closure_.add(worth, required, required_count);
+}
+
+void ConeFinder::collect(const GridPoint& place, double gain, Cone& cone) const {
+  cone.tets = around_;
+  for (std::size_t i = 0; i < seen_.size(); ++i)
+    if (closure_.taken(i)) cone.tets.push_back(seen_[i].tet);
+  cone.apex = vertex_;
+  cone.place = place;
+  cone.gain = gain;
+}
+
+}  // namespace tetprep
