@@ -14,7 +14,7 @@ constexpr double kLeastGain = 1e-6;
 /// what the tets in front of it gain.
 constexpr double kMostDebt = 0.3;
 /// A move must gain more: there is no end to small ones.
-constexpr double kLeastGainOfMove = 1e-3;
+constexpr double kLeastGainOfMove = 1e-2;
 
 using Vector = std::array<double, 3>;
 
@@ -37,7 +37,7 @@ double length(const Vector& a) {
 /// The point with the least sum of areas of its triangles to edges, each given by one end and what leads to
 /// the other. That sum is convex. Weiszfeld's iteration for distances to lines.
 Vector least_area(const std::vector<std::pair<Vector, Vector>>& edges, Vector p) {
-  constexpr int kSteps = 8;
+  constexpr int kSteps = 4;
   for (int step = 0; step < kSteps; ++step) {
     std::array<Vector, 3> rows{};
     Vector right{};
@@ -65,40 +65,11 @@ Vector least_area(const std::vector<std::pair<Vector, Vector>>& edges, Vector p)
 
 }  // namespace
 
-bool ConeFinder::go_to(Index t, std::size_t k) {
-  vertex_ = mesh_.tets[t][k];
-  around_.clear();
-  is_inside_ = true;
-  known_.clear();
-  const auto add = [&](Index tet) {
-    if (known_.find(tet) != nullptr) return true;
-    if (around_.size() == kMostAround || !block_.has_inside(mesh_, tet)) return false;
-    known_.put(tet, kAround);
-    around_.push_back(tet);
-    return true;
-  };
-  if (!add(t)) return false;
-  for (std::size_t i = 0; i < around_.size(); ++i) {
-    const Index tet = around_[i];
-    for (std::size_t j = 0; j < 4; ++j) {
-      if (mesh_.tets[tet][j] == vertex_) continue;
-      if (!is_free(tet, j)) {
-        is_inside_ = false;
-        // Around the end of a sheet: its two sides would be one face of the cone.
-        if (known_.find(mesh_.neighbors[tet][j]) != nullptr) return false;
-      } else if (!add(mesh_.neighbors[tet][j])) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-bool ConeFinder::find(Cone& cone) {
+bool ConeFinder::find_cone(Cone& cone) {
   const double area = area_around();
   most_debt_ = kMostDebt * area;
   if (is_inside_ && find_place(area, cone)) return true;
-  look_around(point(vertex_));
+  look_around(point(vertex_), kMostSeen);
   const double gain = closure_.solve();
   if (!(gain > kLeastGain * area)) return false;
   collect(point(vertex_), gain, cone);
@@ -107,20 +78,9 @@ bool ConeFinder::find(Cone& cone) {
 
 /// Moves an inner vertex towards the place that is best for the tets around it.
 bool ConeFinder::find_place(double area, Cone& cone) {
-  const Index v = vertex_;
-  const GridPoint old = point(v);
-  std::vector<std::pair<Vector, Vector>> edges;
-  edges_.clear();
-  for (const Index t : around_) {
-    const auto& corners = mesh_.tets[t];
-    for (const auto k = corner_of(t, v); const std::size_t i : {0, 1, 2}) {
-      const Index a = corners[kFaceCorners[k][i]], b = corners[kFaceCorners[k][(i + 1) % 3]];
-      if (a > b) continue;  // the tet beyond that edge has it, too
-      edges_.push_back({a, b});
-      edges.push_back({from(old, point(a)), from(point(a), point(b))});
-    }
-  }
-  const Vector wanted = least_area(edges, {});
+  const GridPoint old = point(vertex_);
+  seen_.clear();
+  const Vector wanted = best_place(old);
   constexpr int kTries = 6;
   double share = 1;
   for (int i = 0; i < kTries; ++i, share /= 2) {
@@ -129,20 +89,95 @@ bool ConeFinder::find_place(double area, Cone& cone) {
     if (place == old) break;
     const bool sees_all = std::all_of(around_.begin(), around_.end(), [&](Index t) {
       auto corners = mesh_.tets[t];
-      const auto& face = kFaceCorners[corner_of(t, v)];
+      const auto& face = kFaceCorners[corner_of(t, vertex_)];
       return tetfmt::orientation(point(corners[face[0]]), point(corners[face[1]]), point(corners[face[2]]),
                                  place) > 0;
     });
     if (!sees_all) continue;
     double after = 0;
     for (const auto& [a, b] : edges_) after += triangle_area(place, point(a), point(b));
-    look_around(place);
+    look_around(place, kMostSeen);
     const double gain = area - after + closure_.solve();
     if (!(gain > kLeastGainOfMove * area)) continue;
     collect(place, gain, cone);
     return true;
   }
   return false;
+}
+
+bool ConeFinder::find_new(Index t, const GridPoint& start, Cone& cone) {
+  // Each round finds the best set for a place, then the best place for the set.
+  constexpr int kRounds = 4;
+  vertex_ = kNone;
+  is_inside_ = true;
+  GridPoint place = start;
+  cone.gain = 0;
+  for (int round = 0; round < kRounds && move_to(t, place); ++round) {
+    around_.assign(1, t);
+    double cost = 0;
+    const auto& corners = mesh_.tets[t];
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j)
+        cost += triangle_area(place, point(corners[i]), point(corners[j]));
+    most_debt_ = cost;
+    look_around(place, kMostSeenByNew);
+    if (const double gain = closure_.solve() - cost; gain > std::max(cone.gain, kLeastGain * cost))
+      collect(place, gain, cone);
+    const Vector wanted = best_place(place);
+    for (std::size_t k = 0; k < 3; ++k) place[k] += static_cast<std::int32_t>(std::lround(wanted[k]));
+  }
+  return cone.gain > 0;
+}
+
+/// Goes from tet t to the one that holds `place` strictly inside, through free faces. False if that fails.
+bool ConeFinder::move_to(Index& t, const GridPoint& place) const {
+  constexpr int kMostSteps = 100;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const auto& corners = mesh_.tets[t];
+    const auto is_beyond = [&](std::size_t k) {
+      const auto& face = kFaceCorners[k];
+      return tetfmt::orientation(point(corners[face[0]]), point(corners[face[1]]), point(corners[face[2]]),
+                                 place) <= 0;
+    };
+    std::size_t k = 0;
+    while (k < 4 && !is_beyond(k)) ++k;
+    if (k == 4) return true;
+    if (!is_free(t, k)) return false;
+    t = mesh_.neighbors[t][k];
+  }
+  return false;
+}
+
+/// Whether the best set that was found last holds tet t.
+bool ConeFinder::is_in_cone(Index t) {
+  const int* known = known_.find(t);
+  if (known == nullptr || *known == kRefused) return false;
+  return *known == kAround || (!seen_.empty() && closure_.taken(static_cast<std::size_t>(*known)));
+}
+
+/// Where the point would be best for the set that was found last (or, while seen_ is empty, for the tets
+/// around the vertex), as seen from where it is.
+Vector ConeFinder::best_place(const GridPoint& near) {
+  edges_.clear();
+  lines_.clear();
+  const auto add_hull_of = [&](Index t) {
+    const auto& corners = mesh_.tets[t];
+    const bool at_vertex = std::find(corners.begin(), corners.end(), vertex_) != corners.end();
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (at_vertex && corners[k] != vertex_) continue;
+      if (is_free(t, k) && is_in_cone(mesh_.neighbors[t][k])) continue;
+      for (const std::size_t i : {0, 1, 2}) {
+        const Index a = corners[kFaceCorners[k][i]], b = corners[kFaceCorners[k][(i + 1) % 3]];
+        if (a > b) continue;  // the face beyond that edge has it, too
+        edges_.push_back({a, b});
+        lines_.push_back({from(near, point(a)), from(point(a), point(b))});
+      }
+    }
+  };
+  for (const Index t : around_) add_hull_of(t);
+  for (std::size_t i = 0; i < seen_.size(); ++i)
+    if (closure_.taken(i)) add_hull_of(seen_[i].tet);
+  return least_area(lines_, {});
 }
 
 /// Area of the free faces at the vertex.
@@ -161,14 +196,16 @@ double ConeFinder::area_around() const {
 
 /// Fills seen_ and closure_ with the tets that p sees across those around the vertex, which p may be in
 /// place of, the nearest first.
-void ConeFinder::look_around(const GridPoint& p) {
+void ConeFinder::look_around(const GridPoint& p, std::size_t most_seen) {
   known_.clear();
   for (const Index t : around_) known_.put(t, kAround);
   seen_.clear();
   closure_.clear();
   for (const Index t : around_)
-    if (const std::size_t k = corner_of(t, vertex_); is_free(t, k)) look_at(mesh_.neighbors[t][k], p);
-  for (std::size_t i = 0; i < seen_.size() && seen_.size() < kMostSeen; ++i) {
+    for (std::size_t k = 0; k < 4; ++k)
+      if ((vertex_ == kNone || mesh_.tets[t][k] == vertex_) && is_free(t, k))
+        look_at(mesh_.neighbors[t][k], p);
+  for (std::size_t i = 0; i < seen_.size() && seen_.size() < most_seen; ++i) {
     const auto [t, turned, debt] = seen_[i];
     if (debt > most_debt_) continue;
     for (std::size_t k = 0; k < 4; ++k)
@@ -181,7 +218,6 @@ void ConeFinder::look_at(Index t, const GridPoint& p) {
   if (known_.find(t) != nullptr) return;
   const auto refuse = [&] { known_.put(t, kRefused); };
   const auto& corners = mesh_.tets[t];
-  if (!block_.has_inside(mesh_, t)) return refuse();
   if (std::find(corners.begin(), corners.end(), vertex_) != corners.end()) return refuse();
   std::array<Vector, 4> to{};
   for (std::size_t k = 0; k < 4; ++k) to[k] = from(p, point(corners[k]));

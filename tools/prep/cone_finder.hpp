@@ -14,9 +14,11 @@
 // which a maximum flow finds exactly (closure.hpp).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "prep/closure.hpp"
@@ -28,7 +30,7 @@ namespace tetprep {
 /// not contain it.
 struct Cone {
   std::vector<Index> tets;
-  Index apex = kNone;  ///< the vertex that the point is
+  Index apex = kNone;  ///< the vertex that the point is; kNone: to be chosen
   GridPoint place{};   ///< where it is then
   double gain = 0;     ///< area of free faces that goes away, in squares of the grid's step
 };
@@ -47,18 +49,22 @@ inline double triangle_area(const GridPoint& a, const GridPoint& b, const GridPo
   return std::sqrt(x * x + y * y + z * z) / 2;
 }
 
-/// A range of a mesh's tets. A tet is inside if its neighbors belong to the range, too: it can be replaced
-/// without a look or a write at any tet that does not.
-struct Block {
-  Index first = 0, end = 0;
-  bool holds(Index t) const { return t >= first && t < end; }
-  bool has_inside(const TetMesh& mesh, Index t) const {
-    if (!holds(t)) return false;
-    for (const Index n : mesh.neighbors[t])
-      if (n != kNone && !holds(n)) return false;
-    return true;
-  }
-};
+/// Of tet t, opposite corner k.
+inline bool is_free_face(const TetMesh& mesh, Index t, std::size_t k) {
+  return mesh.neighbors[t][k] != kNone && mesh.face_triangle[t][k] == kNone;
+}
+inline double face_area(const TetMesh& mesh, Index t, std::size_t k) {
+  const auto& v = mesh.tets[t];
+  const auto& face = kFaceCorners[k];
+  return triangle_area(mesh.points[v[face[0]]], mesh.points[v[face[1]]], mesh.points[v[face[2]]]);
+}
+/// The area of the largest of its free faces, 0 if it has none.
+inline double largest_free_face(const TetMesh& mesh, Index t) {
+  double largest = 0;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (is_free_face(mesh, t, k)) largest = std::max(largest, face_area(mesh, t, k));
+  return largest;
+}
 
 /// Looks for cones. Reads the mesh, whose tets must all be positive, and keeps what it needs for a search:
 /// one for each thread.
@@ -66,25 +72,25 @@ class ConeFinder {
  public:
   explicit ConeFinder(const TetMesh& mesh) : mesh_(mesh) {}
 
-  /// Tets inside `block` are all that is looked at from now on.
-  void enter(const Block& block) { block_ = block; }
+  /// The best cone of the vertex at corner k of tet `t`, among sets that hold all tets around it on its side
+  /// of constrained faces: where it is, or, if no constrained face holds it and that is better, at a place
+  /// that is good for it. False if none makes the area smaller, or if there are very many tets around it, or
+  /// both sides of one face. `is_elsewhere(tet)`: no look is wanted now if it is one of those around the
+  /// vertex.
+  template <class Elsewhere>
+  bool find(Index t, std::size_t k, Elsewhere is_elsewhere, Cone& cone) {
+    return collect_around(t, k, is_elsewhere) && find_cone(cone);
+  }
 
-  /// Goes to the vertex at corner k of tet `t`. False if not all tets around it on that side of constrained
-  /// faces are inside the block, if that is both sides of one, or if there are very many.
-  bool go_to(Index t, std::size_t k);
-  /// Those tets, `t` first.
-  const std::vector<Index>& around() const { return around_; }
-  Index vertex() const { return vertex_; }
-
-  /// The vertex's best cone, among sets that hold all tets around it: where it is, or, if no constrained face
-  /// holds it and that is better, at a place that is good for it. False if none makes the area smaller.
-  bool find(Cone& cone);
+  /// The best cone of a new vertex near `place`, which is strictly inside tet `t`. False if none makes the
+  /// area smaller.
+  bool find_new(Index t, const GridPoint& place, Cone& cone);
 
  private:
   /// Vertices among more tets are left alone.
   static constexpr std::size_t kMostAround = 256;
-  /// Tets that a search looks at beyond those around the vertex, at most.
-  static constexpr std::size_t kMostSeen = 64;
+  /// Tets that a search looks at beyond those around the vertex, at most; for a new vertex, more.
+  static constexpr std::size_t kMostSeen = 64, kMostSeenByNew = 400;
 
   /// What a search knows of a tet.
   enum : int { kAround = -2, kRefused = -1 };  // or its number in closure_
@@ -110,26 +116,56 @@ class ConeFinder {
     static constexpr std::size_t kSize = 2048;
     static std::size_t slot(Index tet) { return (tet * 2654435761u >> 16) % kSize; }
     struct Entry {
-      std::uint64_t search = 0;
+      std::uint32_t search = 0;
       Index tet = 0;
       int value = 0;
     };
     std::array<Entry, kSize> entries_{};
-    std::uint64_t search_ = 0;
+    std::uint32_t search_ = 0;
   };
 
   const GridPoint& point(Index id) const { return mesh_.points[id]; }
-  bool is_free(Index t, std::size_t k) const {
-    return mesh_.neighbors[t][k] != kNone && mesh_.face_triangle[t][k] == kNone;
-  }
+  bool is_free(Index t, std::size_t k) const { return is_free_face(mesh_, t, k); }
   std::size_t corner_of(Index t, Index vertex) const {
     std::size_t k = 0;
     while (mesh_.tets[t][k] != vertex) ++k;
     return k;
   }
 
+  /// Fills around_.
+  template <class Elsewhere>
+  bool collect_around(Index t, std::size_t corner, Elsewhere is_elsewhere) {
+    vertex_ = mesh_.tets[t][corner];
+    is_inside_ = true;
+    known_.clear();
+    known_.put(t, kAround);
+    around_.assign(1, t);
+    for (std::size_t i = 0; i < around_.size(); ++i) {
+      const Index tet = around_[i];
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (mesh_.tets[tet][k] == vertex_) continue;
+        const Index next = mesh_.neighbors[tet][k];
+        if (!is_free(tet, k)) {
+          is_inside_ = false;
+          // Around the end of a sheet: its two sides would be one face of the cone.
+          if (known_.find(next) != nullptr) return false;
+          continue;
+        }
+        if (known_.find(next) != nullptr) continue;
+        if (is_elsewhere(next) || around_.size() == kMostAround) return false;
+        known_.put(next, kAround);
+        around_.push_back(next);
+      }
+    }
+    return true;
+  }
+
+  bool find_cone(Cone& cone);
   bool find_place(double area, Cone& cone);
-  void look_around(const GridPoint& p);
+  bool move_to(Index& t, const GridPoint& place) const;
+  bool is_in_cone(Index t);
+  void look_around(const GridPoint& p, std::size_t most_seen);
+  std::array<double, 3> best_place(const GridPoint& near);
   void look_at(Index t, const GridPoint& p);
   void collect(const GridPoint& place, double gain, Cone& cone) const;
   double area_around() const;
@@ -142,7 +178,6 @@ class ConeFinder {
   using Edge = std::array<Index, 2>;
 
   const TetMesh& mesh_;
-  Block block_;
   Known known_;
   Index vertex_ = kNone;
   std::vector<Index> around_;
@@ -150,7 +185,9 @@ class ConeFinder {
   double most_debt_ = 0;
   std::vector<Seen> seen_;
   Closure closure_;
-  std::vector<Edge> edges_;
+  std::vector<Edge> edges_;  ///< of the hull
+  std::vector<std::pair<std::array<double, 3>, std::array<double, 3>>>
+      lines_;  ///< an end, and the way to the other
 };
 
 }  // namespace tetprep

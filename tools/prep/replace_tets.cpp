@@ -7,31 +7,6 @@
 
 namespace tetprep {
 
-void make_gaps(TetMesh& mesh, std::size_t spacing) {
-  const std::size_t count = mesh.tets.size();
-  const auto place = [&](std::size_t t) { return t + t / spacing; };
-  const std::size_t room = count == 0 ? 0 : place(count - 1) + 2;
-  const auto spread = [&](auto& values) {
-    if (values.empty()) return;
-    values.resize(room);
-    for (std::size_t t = count; t-- > 0;) std::swap(values[t], values[place(t)]);
-  };
-  spread(mesh.neighbors);
-  spread(mesh.face_triangle);
-  spread(mesh.region);
-  spread(mesh.tets);
-  std::vector<bool> taken(room, false);
-  for (std::size_t t = 0; t < count; ++t) taken[place(t)] = true;
-  for (std::size_t t = 0; t < room; ++t) {
-    if (!taken[t]) {
-      mesh.tets[t].fill(kNone);
-      continue;
-    }
-    for (Index& n : mesh.neighbors[t])
-      if (n != kNone) n = static_cast<Index>(place(n));
-  }
-}
-
 void close_gaps(TetMesh& mesh) {
   std::vector<Index> left;
   left.reserve(mesh.tets.size());
@@ -40,28 +15,15 @@ void close_gaps(TetMesh& mesh) {
   take_tets(mesh, left);
 }
 
-void TetReplacer::enter(const Block& block) {
-  gaps_.clear();
-  for (Index t = block.end; t-- > block.first;)
-    if (is_gap(mesh_, t)) gaps_.push_back(t);
-}
-
-bool TetReplacer::apply(const Cone& cone) {
+const std::vector<Index>& TetReplacer::apply(const Cone& cone) {
   collect_rim(cone);
-  if (rim_.size() > cone.tets.size() + gaps_.size()) return false;
+  if (cone.apex == mesh_.points.size()) mesh_.points.emplace_back();
   mesh_.points[cone.apex] = cone.place;
   made_.clear();
   sides_.clear();
   for (std::size_t i = 0; i < rim_.size(); ++i) {
     const Rim& rim = rim_[i];
-    Index t = 0;
-    if (i < cone.tets.size()) {
-      t = cone.tets[i];
-    } else {
-      t = gaps_.back();
-      gaps_.pop_back();
-      if (!mesh_.region.empty()) mesh_.region[t] = mesh_.region[cone.tets[0]];
-    }
+    const Index t = i < cone.tets.size() ? cone.tets[i] : fresh(cone.tets[0]);
     made_.push_back(t);
     mesh_.tets[t] = {rim.corners[0], rim.corners[1], rim.corners[2], cone.apex};
     mesh_.neighbors[t] = {kNone, kNone, kNone, rim.outside};
@@ -77,7 +39,7 @@ bool TetReplacer::apply(const Cone& cone) {
     gaps_.push_back(cone.tets[i]);
   }
   join_sides(cone.apex);
-  return true;
+  return made_;
 }
 
 /// Sorts the faces of the hull of cone.tets into those with the apex and the others.
@@ -130,6 +92,29 @@ void TetReplacer::join_sides(Index apex) {
     mesh_.face_triangle[side.tet][side.corner] = rim.triangle;
     if (rim.outside != kNone) mesh_.neighbors[rim.outside][rim.outside_corner] = side.tet;
   }
+}
+
+/// A place for a new tet among the likes of tet `origin`.
+Index TetReplacer::fresh(Index origin) {
+  Index t = static_cast<Index>(mesh_.tets.size());
+  if (!gaps_.empty()) {
+    t = gaps_.back();
+    gaps_.pop_back();
+  } else {
+    if (mesh_.tets.capacity() == mesh_.tets.size()) {  // doubling would take much memory for few tets
+      const std::size_t room = mesh_.tets.size() + mesh_.tets.size() / 16 + 64;
+      mesh_.tets.reserve(room);
+      mesh_.neighbors.reserve(room);
+      mesh_.face_triangle.reserve(room);
+      mesh_.region.reserve(mesh_.region.empty() ? 0 : room);
+    }
+    mesh_.tets.emplace_back();
+    mesh_.neighbors.emplace_back();
+    mesh_.face_triangle.emplace_back();
+    if (!mesh_.region.empty()) mesh_.region.emplace_back();
+  }
+  if (!mesh_.region.empty()) mesh_.region[t] = mesh_.region[origin];
+  return t;
 }
 
 }  // namespace tetprep

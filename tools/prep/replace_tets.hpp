@@ -12,24 +12,17 @@ namespace tetprep {
 inline bool is_gap(const TetMesh& mesh, Index t) {
   return mesh.tets[t][0] == kNone;
 }
-/// Makes gaps all along the order of tets, one for every `spacing` of them.
-void make_gaps(TetMesh& mesh, std::size_t spacing);
 /// Closes all gaps.
 void close_gaps(TetMesh& mesh);
 
-/// Replaces tets of a mesh by cones, and keeps the rest in step. New tets come into gaps, and tets that go
-/// leave some. One for each thread.
+/// Replaces tets of a mesh by cones, and keeps the rest in step. Tets that go leave gaps, which new ones
+/// fill; where there is none, tets are added at the end.
 class TetReplacer {
  public:
   explicit TetReplacer(TetMesh& mesh) : mesh_(mesh) {}
 
-  /// Gaps are taken from `block` from now on.
-  void enter(const Block& block);
-
-  /// False, and nothing is changed, if there are not enough gaps. All of cone.tets must be inside the block.
-  bool apply(const Cone& cone);
-  /// The tets that have come with the last cone.
-  const std::vector<Index>& made() const { return made_; }
+  /// The tets that have come, until the next call. All of cone.tets must still be there.
+  const std::vector<Index>& apply(const Cone& cone);
 
  private:
   /// A face on the hull of what is being replaced, which lies beside a face of tet `outside` or at the end.
@@ -48,6 +41,7 @@ class TetReplacer {
     }
   };
 
+  Index fresh(Index origin);
   void collect_rim(const Cone& cone);
   void join_sides(Index apex);
 

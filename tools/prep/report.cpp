@@ -150,6 +150,8 @@ std::string to_json(const ConvertOptions& options, const ConvertReport& report, 
   json["tetgen"] = tetgen_json(report.tetrahedralize);
   if (options.optimize != Optimize::none)
     json["crossings"] = {{"replacements", report.crossings.replacements},
+                         {"new_points", report.crossings.new_points},
+                         {"dropped_points", report.crossings.dropped_points},
                          {"area_before", report.crossings.area_before},
                          {"area_after", report.crossings.area_after}};
   json["regions"] = {{"count", report.regions.count},

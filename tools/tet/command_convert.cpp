@@ -93,8 +93,11 @@ void print_details(const ConvertOptions& options, const ConvertReport& report) {
   print(text("TetGen -%s, %u points of its own, %u of them moved", report.tetrahedralize.switches.c_str(),
              report.tetrahedralize.steiner_points, report.tetrahedralize.moved_steiner_points));
   if (options.optimize != Optimize::none)
-    print(text("%u sets of tets replaced: area between tets from %.2f to %.2f times the box's surface",
-               report.crossings.replacements, report.crossings.area_before, report.crossings.area_after));
+    print(text(
+        "%u sets of tets replaced, %u points added, %u dropped: area between tets from %.2f to %.2f times "
+        "the box's surface",
+        report.crossings.replacements, report.crossings.new_points, report.crossings.dropped_points,
+        report.crossings.area_before, report.crossings.area_after));
   std::string sections;
   for (const std::string& kind : report.attributes.sections) sections += " " + kind;
   print(text("%zu regions; %zu materials, %zu objects, %zu surface points; sections:%s", report.regions.count,
