@@ -37,7 +37,7 @@ double length(const Vector& a) {
 /// The point with the least sum of areas of its triangles to edges, each given by one end and what leads to
 /// the other. That sum is convex. Weiszfeld's iteration for distances to lines.
 Vector least_area(const std::vector<std::pair<Vector, Vector>>& edges, Vector p) {
-  constexpr int kSteps = 4;
+  constexpr int kSteps = 3;
   for (int step = 0; step < kSteps; ++step) {
     std::array<Vector, 3> rows{};
     Vector right{};
@@ -87,18 +87,19 @@ bool ConeFinder::find_place(double area, Cone& cone) {
     GridPoint place = old;
     for (std::size_t k = 0; k < 3; ++k) place[k] += static_cast<std::int32_t>(std::lround(share * wanted[k]));
     if (place == old) break;
+    double after = 0;
+    for (const auto& [a, b] : edges_) after += triangle_area(place, point(a), point(b));
+    // That is least at the place wanted, and convex: nearer to where the vertex is, the gain is smaller.
+    if (!(area - after > kLeastGainOfMove * area)) break;
     const bool sees_all = std::all_of(around_.begin(), around_.end(), [&](Index t) {
-      auto corners = mesh_.tets[t];
+      const auto& corners = mesh_.tets[t];
       const auto& face = kFaceCorners[corner_of(t, vertex_)];
       return tetfmt::orientation(point(corners[face[0]]), point(corners[face[1]]), point(corners[face[2]]),
                                  place) > 0;
     });
     if (!sees_all) continue;
-    double after = 0;
-    for (const auto& [a, b] : edges_) after += triangle_area(place, point(a), point(b));
     look_around(place, kMostSeen);
     const double gain = area - after + closure_.solve();
-    if (!(gain > kLeastGainOfMove * area)) continue;
     collect(place, gain, cone);
     return true;
   }

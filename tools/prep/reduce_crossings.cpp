@@ -22,8 +22,11 @@ constexpr std::size_t kBatch = 1024;
 /// Tets that one task measures.
 constexpr std::size_t kPart = 4096;
 /// Optimize::fast looks at the corners of this share of the tets, those with the largest faces: they hold
-/// most of the area.
-constexpr double kFastShare = 0.05;
+/// much of the area.
+constexpr double kFastShare = 0.02;
+/// There, a face in a space that surfaces close off from the outside counts for this share of its size: no
+/// ray enters an opaque solid.
+constexpr double kInside = 0.25;
 /// Rounds over what has changed: each gains less than the one before.
 constexpr int kFastRounds = 12, kBestRounds = 40;
 /// Grids, by their levels, of which Optimize::best tries every cell for a new vertex.
@@ -93,7 +96,13 @@ class Reducer {
   }
 
   bool is_worth_a_look(Index t, double least_area) const {
-    return !is_gap(mesh_, t) && largest_free_face(mesh_, t) >= least_area;
+    return !is_gap(mesh_, t) && worth(t) >= least_area;
+  }
+
+  /// Of a look at tet t: the area of its largest free face, or less.
+  double worth(Index t) const {
+    const bool outside = mesh_.region.empty() || mesh_.region[t] == 0;
+    return (outside ? 1 : kInside) * largest_free_face(mesh_, t);
   }
 
   void find(Index t, std::array<Cone, 4>& cones) {
@@ -119,7 +128,7 @@ class Reducer {
       }
       changed_[t] = this_batch_;
       round_[t] = 0;
-      if (largest_free_face(mesh_, t) >= least_area) next.push_back(t);
+      if (worth(t) >= least_area) next.push_back(t);
     }
     gained_ += cone.gain;
     ++report_.replacements;
@@ -193,12 +202,11 @@ class Reducer {
     return false;
   }
 
-  /// The size above which `share` of the tets have a free face.
+  /// What a look is worth at `share` of the tets, or more.
   double area_of_share(double share) const {
     std::vector<float> areas(mesh_.tets.size());
-    tbb::parallel_for(std::size_t{0}, areas.size(), [&](std::size_t t) {
-      areas[t] = static_cast<float>(largest_free_face(mesh_, static_cast<Index>(t)));
-    });
+    tbb::parallel_for(std::size_t{0}, areas.size(),
+                      [&](std::size_t t) { areas[t] = static_cast<float>(worth(static_cast<Index>(t))); });
     const auto at =
         areas.end() - 1 - static_cast<std::ptrdiff_t>(share * static_cast<double>(areas.size() - 1));
     std::nth_element(areas.begin(), at, areas.end());

@@ -21,6 +21,7 @@ struct CrossingReport {
 /// random line are expected to be proportional to it (the Cauchy-Crofton formula). The move is that of
 /// cone_finder.hpp, at every vertex and for new ones, taken where it makes the area smaller.
 /// spec/crossings.md has what was tried and measured.
+/// If mesh.region is known, Optimize::fast spends itself on the outside first.
 ///
 /// The surface's points, constrained faces, the hull and regions stay as they are, and so do the ends of a
 /// mesh of which space was left out; Steiner points move, come and go. Every new tetrahedron is strictly
