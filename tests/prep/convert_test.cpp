@@ -111,6 +111,39 @@ TEST_F(Convert, OrderInvariants) {
   EXPECT_LT(jump / static_cast<double>(mesh.tets.size()), 0.5);
 }
 
+TEST_F(Convert, OptimizingChangesNoHit) {
+  ConvertOptions options;
+  options.inputs = {write("in.obj", as_obj(join(ball(12), moved(ball(7), {2.5, 0.25, 0}))))};
+  tetprep::Progress progress;
+  std::vector<tetfmt::Result<tetfmt::MappedFile>> files;
+  std::vector<tetfmt::TrustedView> views;
+  for (const auto optimize : {tetprep::Optimize::none, tetprep::Optimize::fast, tetprep::Optimize::best}) {
+    options.optimize = optimize;
+    options.output = path(std::to_string(files.size()) + ".tet");
+    convert(options, progress);
+    files.push_back(tetfmt::MappedFile::open(options.output));
+    views.push_back(*tetfmt::TrustedView::validated(files.back()->bytes()));
+  }
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(-2, 4);
+  std::array<double, 3> steps{};
+  for (int i = 0; i < 2000; ++i) {
+    const tetfmt::Vec3f from{place(random), place(random), place(random)},
+        to{place(random), place(random), place(random)};
+    const tetfmt::Vec3f direction{to.x - from.x, to.y - from.y, to.z - from.z};
+    std::array<tetfmt::Hit, 3> hits;
+    for (std::size_t k = 0; k < 3; ++k) {
+      hits[k] = tetfmt::first_hit(views[k], tetfmt::locate(views[k], from), direction);
+      steps[k] += hits[k].steps;
+      EXPECT_EQ(hits[k].outcome, hits[0].outcome);
+      EXPECT_EQ(hits[k].triangle, hits[0].triangle);
+      EXPECT_EQ(hits[k].t, hits[0].t);
+    }
+  }
+  EXPECT_LT(steps[1], steps[0]);
+  EXPECT_LT(steps[2], steps[1]);
+}
+
 TEST(Hilbert, VisitsNeighboursInTurn) {
   // The curve through the 16 x 16 x 16 corner of the cube: every step goes to a neighbour, none twice.
   constexpr std::uint32_t n = 16;

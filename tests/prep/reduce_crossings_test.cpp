@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <map>
+#include <random>
 #include <set>
 
 #include "common/threads.hpp"
+#include "prep/closure.hpp"
 #include "prep/prep_support.hpp"
 #include "prep/regions.hpp"
 
@@ -112,6 +114,72 @@ TEST(ReduceCrossings, NoneChangesNothing) {
   EXPECT_EQ(report.replacements, 0u);
   EXPECT_EQ(after.tets, before.tets);
   EXPECT_EQ(after.neighbors, before.neighbors);
+}
+
+/// Small cubes with corners on an integer lattice, some of which share edges or corners: many points in a
+/// plane, many tets that see a point from the side.
+TriangleSoup lattice(unsigned seed) {
+  std::mt19937 random(seed);
+  TriangleSoup soup = cube({0, 0, 0}, 1);
+  for (int i = 1; i < 12; ++i) {
+    const auto place = [&] { return static_cast<double>(2 * (random() % 4)); };
+    const double x = place(), y = place(), z = place();
+    soup = join(std::move(soup), cube({x, y, z}, 1));
+  }
+  return soup;
+}
+
+TEST(ReduceCrossings, KeepsLatticesSound) {
+  tetprep::Progress progress;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE(seed);
+    const auto surface = snap(lattice(seed));
+    TetMesh mesh = fill(surface);
+    const CrossingReport report = reduce_crossings(mesh, Optimize::best, progress);
+    EXPECT_LT(report.area_after, report.area_before);
+    expect_sound(surface, mesh);
+  }
+}
+
+TEST(Closure, IsTheBestOfAllSets) {
+  std::mt19937 random(5);
+  tetprep::Closure closure;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const std::size_t size = 1 + random() % 10;
+    std::vector<double> worth(size);
+    std::vector<unsigned> required(size, 0);  // as bits
+    closure.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+      worth[i] = static_cast<double>(random() % 21) - 12;
+      std::array<int, 3> list{};
+      std::size_t count = 0;
+      for (std::size_t j = 0; j < i && count < 3; ++j) {
+        if (random() % 3 != 0) continue;
+        list[count++] = static_cast<int>(j);
+        required[i] |= 1u << j;
+      }
+      closure.add(worth[i], list, count);
+    }
+    double best = 0;
+    for (unsigned set = 0; set < 1u << size; ++set) {
+      double sum = 0;
+      bool closed = true;
+      for (std::size_t i = 0; i < size; ++i) {
+        if ((set >> i & 1) == 0) continue;
+        sum += worth[i];
+        closed &= (required[i] & ~set) == 0;
+      }
+      if (closed) best = std::max(best, sum);
+    }
+    EXPECT_NEAR(closure.solve(), best, 1e-6);
+    double taken = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (!closure.taken(i)) continue;
+      taken += worth[i];
+      for (std::size_t j = 0; j < i; ++j) EXPECT_TRUE((required[i] >> j & 1) == 0 || closure.taken(j));
+    }
+    EXPECT_EQ(taken, best);
+  }
 }
 
 TEST(SortTets, OnlyRenumbers) {

@@ -28,9 +28,11 @@ constexpr double kFastShare = 0.02;
 /// ray enters an opaque solid.
 constexpr double kInside = 0.25;
 /// Rounds over what has changed: each gains less than the one before.
-constexpr int kFastRounds = 12, kBestRounds = 40;
-/// Grids, by their levels, of which Optimize::best tries every cell for a new vertex.
-constexpr int kFirstLevel = 2, kLastLevel = 4;
+constexpr int kFastRounds = 12, kBestRounds = 16;
+/// Grids of which Optimize::best tries every cell for a new vertex have 2^level cells along the box, from
+/// here on, and in all at most one for so many tets.
+constexpr int kFirstLevel = 2;
+constexpr std::size_t kTetsPerCell = 32;
 
 class Reducer {
  public:
@@ -46,7 +48,8 @@ class Reducer {
     // Large faces first: what becomes of the small ones depends on them.
     improve(area_of_share(kFastShare), kFastRounds, 0, effort == Optimize::best ? 0.3 : 1);
     if (effort == Optimize::best) {
-      for (int level = kFirstLevel; level <= kLastLevel; ++level) add_points(level);
+      const std::size_t most_cells = mesh_.tets.size() / kTetsPerCell;
+      for (int level = kFirstLevel; std::size_t{1} << 3 * level <= most_cells; ++level) add_points(level);
       improve(0, kBestRounds, 0.4, 1);
     }
     close_gaps(mesh_);

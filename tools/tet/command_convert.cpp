@@ -342,8 +342,8 @@ void add_tetrahedra(CLI::App& command, Settings& settings) {
       ->group(group);
   add_choice<Optimize>(command, "--optimize", options.optimize,
                        {{"none", Optimize::none}, {"fast", Optimize::fast}, {"best", Optimize::best}},
-                       "Flip tets so that rays cross fewer of them: none, fast (where it pays most) or "
-                       "best\n(everywhere) [fast]")
+                       "Replace tets so that rays cross fewer of them: none, fast (where it pays most) or "
+                       "best\n(everywhere, with more points) [fast]")
       ->type_name("HOW")
       ->group(group);
   command
