@@ -28,7 +28,7 @@ constexpr double kFastShare = 0.02;
 /// ray enters an opaque solid.
 constexpr double kInside = 0.25;
 /// Rounds over what has changed: each gains less than the one before.
-constexpr int kFastRounds = 12, kBestRounds = 16;
+constexpr int kFastRounds = 10, kBestRounds = 16;
 /// Grids of which Optimize::best tries every cell for a new vertex have 2^level cells along the box, from
 /// here on, and in all at most one for so many tets.
 constexpr int kFirstLevel = 2;
