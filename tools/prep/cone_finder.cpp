@@ -2,7 +2,6 @@
 #include "prep/cone_finder.hpp"
 
 #include <algorithm>
-#include <optional>
 
 namespace tetprep {
 namespace {

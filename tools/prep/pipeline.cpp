@@ -87,7 +87,7 @@ class Conversion {
         sort_tets(tets);
         if (options_.optimize != Optimize::none) {
           log_.begin("reduce crossings");
-          find_regions(tets);
+          find_regions(tets);  // so that it knows where rays can go
           report_.crossings = reduce_crossings(tets, options_.optimize, progress_);
           sort_tets(tets);
         }
