@@ -55,7 +55,7 @@ class Attributes {
     for (const Triangle& triangle : view_.triangles())
       for (const Index id : triangle.vertices)
         if (id < view_.vertices().size()) bounds.add(view_.vertices()[id]);
-    const Bounds& claimed = view_.surface_bounds();
+    const auto& claimed = *reinterpret_cast<const SurfaceBounds*>(view_.section(kSurfaceBounds).data());
     if (!(claimed.lower == bounds.lower && claimed.upper == bounds.upper)) {
       add(Code::surface_bounds, entry->offset,
           [] { return std::string("BNDS is not the box around the triangles' corners"); });

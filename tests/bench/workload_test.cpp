@@ -219,8 +219,9 @@ TEST_F(WorkloadTest, EveryTracerOfThisBuildAnswersWhatItTakes) {
           << kind.name << ", " << name;
     }
   }
-  for (const char* all : {"tet20-exact", "tet16-exact", "bvh", "kd-tree"}) EXPECT_EQ(taken[all], 4U) << all;
-  EXPECT_EQ(taken["tet20-together"], 1U);
+  for (const char* all : {"tet20-exact", "tet16-exact", "tet20-batch", "tet16-batch", "bvh", "kd-tree"})
+    EXPECT_EQ(taken[all], 4U) << all;
+  EXPECT_EQ(taken["tet20-together"], 2U);  // from the camera, and to the lamp
 }
 
 }  // namespace

@@ -217,6 +217,20 @@ void check(std::span<const std::byte> bytes) {
     occlude_batch(mesh.tet16.trusted, places, std::array{BatchSegment{0, 1}, BatchSegment{1, 0}}, segments);
     require(segments[0] == there && segments[1] == back);
     if (start.state != absent && finite(origin)) require(sees(start, start) == Outcome::miss);
+    // From one place to many: as many as are walked together.
+    std::vector<Location> targets;
+    for (const Hit& met : together) {
+      if (met.outcome != Outcome::hit) continue;
+      targets.push_back(near_side(file, met));
+      targets.push_back(far_side(file, met));
+    }
+    const std::vector<Outcome> seen = mesh.by_all([&](const auto& view) {
+      std::vector<Outcome> outcomes(targets.size());
+      occlusions(view, start, targets, outcomes);
+      return outcomes;
+    });
+    for (std::size_t i = 0; i < targets.size(); ++i)
+      require(seen[i] == occlusion(mesh.tet16.trusted, start, targets[i]));
 
     if (hit.outcome != Outcome::hit) break;
     const bool far = reader.take<std::uint8_t>() % 2 == 1;

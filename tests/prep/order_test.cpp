@@ -102,7 +102,7 @@ TEST(Order, OfAnUncutSurfaceKeepsTheInputsNumbers) {
   soup.triangles.insert(soup.triangles.begin() + 4, {5, 5, 6});  // degenerate, so dropped
   const tetfmt::Mesh mesh = order(prepared(snap(soup)), snap(soup));
   expect_valid(mesh);
-  EXPECT_EQ(kinds(mesh), (std::vector{tetfmt::kRegions}));
+  EXPECT_EQ(kinds(mesh), (std::vector{tetfmt::kRegions, tetfmt::kSurfaceBounds}));
   ASSERT_EQ(mesh.triangles.size(), 13u);
   EXPECT_EQ(mesh.sides.size(), 24u);
   for (std::size_t t = 0; t < 13; ++t) {
@@ -116,7 +116,7 @@ TEST(Order, WithoutRegionsWritesNone) {
   const CleanSurface surface = snap(ball(4));
   const tetfmt::Mesh mesh = order(fill(surface), surface);
   expect_valid(mesh);
-  EXPECT_TRUE(mesh.optional.empty());
+  EXPECT_EQ(kinds(mesh), (std::vector{tetfmt::kSurfaceBounds}));
 }
 
 TEST(Order, OfACutSurfaceSaysWhatThePiecesAreOf) {
@@ -125,7 +125,8 @@ TEST(Order, OfACutSurfaceSaysWhatThePiecesAreOf) {
   const CleanSurface surface = with_cut(soup, 6);
   const tetfmt::Mesh mesh = order(prepared(surface), surface);
   expect_valid(mesh);
-  EXPECT_EQ(kinds(mesh), (std::vector{tetfmt::kRegions, tetfmt::kOrigins, tetfmt::kInputTriangles}));
+  EXPECT_EQ(kinds(mesh), (std::vector{tetfmt::kRegions, tetfmt::kSurfaceBounds, tetfmt::kOrigins,
+                                      tetfmt::kInputTriangles}));
   EXPECT_EQ(section<Index>(mesh, tetfmt::kOrigins),
             (std::vector<Index>{0, 1, 2, 3, 5, 6, 6, 6, 7, 8, 9, 10, 11, 12}));
   const auto input = section<Corners>(mesh, tetfmt::kInputTriangles);
