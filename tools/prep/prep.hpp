@@ -151,8 +151,8 @@ void sort_tets(TetMesh& mesh);
 /// to anywhere start there, and from the middle they are shortest on average. Where that space was left out
 /// it is the tet nearest to it; and if what is left is in several pieces, each of the others has a source too
 /// (its first tet). `triangle_material`: of each input triangle, or empty: all 0. Sections, in this order:
-/// REGN if the regions are known (the tets must be grouped by them); BNDS; ORIG and SURF if triangles were cut.
-/// Deterministic for any number of threads. O(tets + vertices log vertices).
+/// REGN if the regions are known (the tets must be grouped by them); BNDS; ORIG and SURF if triangles were
+/// cut. Deterministic for any number of threads. O(tets + vertices log vertices).
 tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface,
                    std::span<const Index> triangle_material = {});
 
