@@ -128,10 +128,18 @@ class Together : public Ours {
                                       std::span(hits).first(count));
         for (std::size_t i = 0; i < count; ++i) answers[begin + i] = hits[i].triangle;
       } else {
-        gathered.clear();
-        for (std::size_t i = begin; i < begin + count; ++i) gathered.push_back(rays.places[rays.from[i]]);
+        const auto from = std::span(rays.from).subspan(begin, count);
+        std::span<const tetfmt::Location> targets(gathered);
+        if (std::adjacent_find(from.begin(), from.end(), [](auto i, auto j) { return j != i + 1; }) ==
+            from.end()) {
+          targets = std::span(rays.places).subspan(from[0], count);
+        } else {
+          gathered.clear();
+          for (const std::uint32_t i : from) gathered.push_back(rays.places[i]);
+          targets = gathered;
+        }
         visited +=
-            tetfmt::occlusions(view_, rays.places[rays.to[0]], gathered, std::span(outcomes).first(count));
+            tetfmt::occlusions(view_, rays.places[rays.to[0]], targets, std::span(outcomes).first(count));
         for (std::size_t i = 0; i < count; ++i) answers[begin + i] = answer(outcomes[i]);
       }
     }
