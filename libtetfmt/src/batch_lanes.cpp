@@ -2,7 +2,8 @@
 // Compiled once for each kind of processor, as tile.cpp is.
 #include "batch_lanes.hpp"
 
-#define HWY_DISABLED_TARGETS HWY_SSSE3
+#include "processor.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "batch_lanes.cpp"
 #include <hwy/foreach_target.h>
@@ -276,7 +277,7 @@ class Walk {
     }
     const M beyond = hn::And(as_ids(hn::Gt(hn::Min(z0, hn::Min(z1, z2)), of(lanes.limit))), walking);
     ended_ |= to_bits(beyond) << first;
-    const LaneMask all = kWidth == 64 ? ~LaneMask{0} : ((LaneMask{1} << kWidth) - 1) << first;
+    const LaneMask all = ((LaneMask{1} << kWidth) - 1) << first;
     lanes.walking = (lanes.walking & ~all) | to_bits(hn::AndNot(beyond, walking)) << first;
   }
 
@@ -475,21 +476,14 @@ namespace tetfmt::detail {
 std::span<const BatchTarget> batch_targets() {
   static const std::vector<BatchTarget> targets = [] {
     std::vector<BatchTarget> found;
-#if HWY_ARCH_X86
-    __builtin_cpu_init();
-    const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
 #if HWY_TARGETS & HWY_AVX3
-    if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
-      found.push_back(N_AVX3::kBatchTarget);
+    if (has_avx512()) found.push_back(N_AVX3::kBatchTarget);
 #endif
 #if HWY_TARGETS & HWY_AVX2
-    if (avx2) found.push_back(N_AVX2::kBatchTarget);
+    if (has_avx2()) found.push_back(N_AVX2::kBatchTarget);
 #endif
 #if HWY_TARGETS & HWY_SSE4
-    if (__builtin_cpu_supports("sse4.2")) found.push_back(N_SSE4::kBatchTarget);
-#endif
+    if (has_sse4()) found.push_back(N_SSE4::kBatchTarget);
 #endif
     found.push_back(HWY_NAMESPACE::kBatchTarget);  // what the compiler assumes anyway: the last one compiled
     return found;

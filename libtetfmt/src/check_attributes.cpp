@@ -56,7 +56,8 @@ class Attributes {
       for (const Index id : triangle.vertices)
         if (id < view_.vertices().size()) bounds.add(view_.vertices()[id]);
     const auto& claimed = *reinterpret_cast<const SurfaceBounds*>(view_.section(kSurfaceBounds).data());
-    if (!(claimed.lower == bounds.lower && claimed.upper == bounds.upper)) {
+    const bool any = bounds.lower.x <= bounds.upper.x;
+    if (!(any && claimed.lower == bounds.lower && claimed.upper == bounds.upper)) {
       add(Code::surface_bounds, entry->offset,
           [] { return std::string("BNDS is not the box around the triangles' corners"); });
     }

@@ -3,7 +3,8 @@
 // nothing of Highway is needed to link.
 #include "tile.hpp"
 
-#define HWY_DISABLED_TARGETS HWY_SSSE3
+#include "processor.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tile.cpp"
 #include <hwy/foreach_target.h>
@@ -19,9 +20,16 @@ HWY_BEFORE_NAMESPACE();
 namespace tetfmt::detail {
 namespace HWY_NAMESPACE {
 
+/// One a thread, of some 0.4 MB, kept for the next tile.
+Queue& queue_of_thread() {
+  static thread_local Queue queue;
+  if (!queue.idle()) queue.clear();  // a walk before was cut short by an exception
+  return queue;
+}
+
 template <bool kChecked, class Task>
 std::uint64_t walk_tile(const FileView& view, const Location& from, Task&& task) {
-  static thread_local Queue queue;
+  Queue& queue = queue_of_thread();
   return with_cells(view, [&](const auto& cells) {
     using Cells = std::remove_cvref_t<decltype(cells)>;
     return TileWalk<kChecked, Cells, std::remove_cvref_t<Task>>(view, cells, from, task, queue).run();
@@ -50,21 +58,14 @@ namespace tetfmt::detail {
 std::span<const TileTarget> tile_targets() {
   static const std::vector<TileTarget> targets = [] {
     std::vector<TileTarget> found;
-#if HWY_ARCH_X86
-    __builtin_cpu_init();
-    const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
 #if HWY_TARGETS & HWY_AVX3
-    if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
-      found.push_back(N_AVX3::kTarget);
+    if (has_avx512()) found.push_back(N_AVX3::kTarget);
 #endif
 #if HWY_TARGETS & HWY_AVX2
-    if (avx2) found.push_back(N_AVX2::kTarget);
+    if (has_avx2()) found.push_back(N_AVX2::kTarget);
 #endif
 #if HWY_TARGETS & HWY_SSE4
-    if (__builtin_cpu_supports("sse4.2")) found.push_back(N_SSE4::kTarget);
-#endif
+    if (has_sse4()) found.push_back(N_SSE4::kTarget);
 #endif
     found.push_back(HWY_NAMESPACE::kTarget);  // what the compiler assumes anyway: the last one compiled
     return found;

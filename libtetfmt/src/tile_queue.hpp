@@ -48,7 +48,16 @@ class Queue {
     keys_.fill(kNoKey);
     for (std::size_t i = 0; i < pool_.size(); ++i) free_[i] = static_cast<std::uint16_t>(i);
   }
+  /// Whatever a walk that was cut short may have left.
+  void clear() {
+    std::fill_n(order_.begin(), count_, kNone);
+    std::fill_n(keys_.begin(), count_, kNoKey);
+    count_ = 0;
+    taken_ = kNotTaken;
+    for (std::size_t i = 0; i < pool_.size(); ++i) free_[i] = static_cast<std::uint16_t>(i);
+  }
   bool empty() const { return count_ == 0; }
+  bool idle() const { return empty() && taken_ == kNotTaken; }
 
   /// The visit of `tet` by way of `previous`, if one waits.
   HWY_INLINE Pending* find(Index tet, Ref previous) {

@@ -139,11 +139,12 @@ class TileRays {
   /// To be called when x, y, z are set for `rays`, some of the first `count`. The others, up to the end of
   /// the last group, become like these.
   void enclose(const RayMask& rays, std::size_t count) {
-    fill_gaps(rays, count);
+    const std::size_t end = (count + kGroupRays - 1) / kGroupRays * kGroupRays;
+    fill_gaps(rays, end);
     const Lanes d;
     axis_ = {};
     auto largest = hn::Zero(d);
-    for (std::size_t b = 0; b < count / kBlockRays + (count % kBlockRays != 0); b += hn::Lanes(d)) {
+    for (std::size_t b = 0; b < end / kBlockRays; b += hn::Lanes(d)) {
       auto radius = hn::Zero(d);
       enclose(x, b, middle_x_, axis_[0], radius, largest);
       enclose(y, b, middle_y_, axis_[1], radius, largest);
@@ -203,8 +204,7 @@ class TileRays {
     return result;
   }
 
-  void fill_gaps(const RayMask& rays, std::size_t count) {
-    const std::size_t end = (count + kGroupRays - 1) / kGroupRays * kGroupRays;
+  void fill_gaps(const RayMask& rays, std::size_t end) {
     std::size_t like = end;  // one in the set: the last so far, or else the first
     for (std::size_t b = 0; b < end / kBlockRays; ++b) {
       const std::uint32_t here = rays.block(b);

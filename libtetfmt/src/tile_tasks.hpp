@@ -72,7 +72,7 @@ class FirstHitsTask {
     return walked;
   }
   void line(Line& line, std::size_t r) const {
-    line.direction = to_vec3d(directions_[std::min(r, directions_.size() - 1)]);
+    line.direction = to_vec3d(directions_[r]);
   }
 
   std::uint64_t alone(std::size_t r) const {
@@ -229,7 +229,7 @@ class OcclusionsTask {
     return walked;
   }
   void line(Line& line, std::size_t r) const {
-    const Location& to = targets_[std::min(r, targets_.size() - 1)];
+    const Location& to = targets_[r];
     line.direction = minus(to.position, line.origin.point);
     line.toward = place(to);
     line.through_point = true;

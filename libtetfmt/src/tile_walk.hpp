@@ -68,7 +68,7 @@ class TileWalk {
       one_by_one(rays);
     }
     task_.leave(unanswered_);
-    return visits_;
+    return visits_ + lone_steps_;
   }
 
  private:
@@ -267,7 +267,7 @@ class TileWalk {
   /// What a walk together cannot decide; then each ray has its own answer, whatever it is.
   HWY_NOINLINE void one_by_one(const RayMask& rays) {
     unanswered_ = unanswered_ - rays;
-    rays.for_each([&](std::size_t r) { visits_ += task_.alone(r); });
+    rays.for_each([&](std::size_t r) { lone_steps_ += task_.alone(r); });
   }
 
   /// `rays` leave `tet` by the face `by` for what `ref` names.
@@ -320,7 +320,7 @@ class TileWalk {
     const Signs signs(line, view_.bounds(), vertices_, {});
     const auto steps = walk<kChecked>(view_, cells_, signs, in.tet, in.previous, in.by.ids, on_exit);
     if (!steps || !sound) return one_by_one(ray);
-    visits_ += *steps;
+    lone_steps_ += *steps;
     if (met) unanswered_ = unanswered_ - ray;
   }
 
@@ -380,7 +380,8 @@ class TileWalk {
   double scale_ = 1;
   RayMask unanswered_;
   TileRays rays_;
-  std::uint64_t visits_ = 0;
+  std::uint64_t visits_ = 0;      ///< each for all rays that were in it
+  std::uint64_t lone_steps_ = 0;  ///< of rays that went alone
 };
 
 }  // namespace HWY_NAMESPACE

@@ -13,7 +13,7 @@ namespace {
 using namespace detail;
 
 /// Fewer rays than this are walked one by one.
-constexpr std::size_t kFewRays = 8;
+constexpr std::size_t kLeastTogether = 8;
 
 const TileTracers& tracers(const FileView&) {
   return tile_targets().front().checked;
@@ -37,7 +37,7 @@ void each_tile(const Location& from, std::size_t count, const Together& together
       std::all_of(from.position.begin(), from.position.end(), [](double x) { return std::isfinite(x); });
   for (std::size_t begin = 0; begin < count; begin += kTileRays) {
     const std::size_t size = std::min(kTileRays, count - begin);
-    if (place && size >= kFewRays) {
+    if (place && size >= kLeastTogether) {
       together(begin, size);
     } else {
       for (std::size_t i = begin; i < begin + size; ++i) alone(i);

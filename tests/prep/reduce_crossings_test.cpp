@@ -73,6 +73,16 @@ TEST(ReduceCrossings, TakesAwayMuchOfTheAreaAroundABall) {
   EXPECT_LE(by_best.area_after, by_fast.area_after);
 }
 
+/// The threshold of `fast` is the area of some face: those that have it are among the largest.
+TEST(ReduceCrossings, FastTakesEqualFacesForEqual) {
+  tetprep::TriangleSoup soup;
+  soup.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  soup.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  tetprep::Progress progress;
+  TetMesh mesh = fill(snap(soup));
+  EXPECT_GT(reduce_crossings(mesh, Optimize::fast, progress).replacements, 0u);
+}
+
 TEST(ReduceCrossings, IsTheSameForAnyNumberOfThreads) {
   TetMesh mesh = fill(snap(join(ball(20), moved(ball(18), {2.5, 0.25, 0}))));
   sort_tets(mesh);

@@ -2,6 +2,7 @@
 #include "prep/cone_finder.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetprep {
 namespace {
@@ -16,6 +17,12 @@ constexpr double kMostDebt = 0.3;
 constexpr double kLeastGainOfMove = 1e-2;
 
 using Vector = std::array<double, 3>;
+
+/// Whether it is a step on the grid, and not what is left of an equation that was close to having no
+/// solution.
+bool is_near(const Vector& step) {
+  return std::all_of(step.begin(), step.end(), [](double x) { return std::abs(x) < kMaxCoordinate; });
+}
 
 Vector from(const GridPoint& p, const GridPoint& q) {
   return {double(q[0] - p[0]), double(q[1] - p[1]), double(q[2] - p[2])};
@@ -80,6 +87,7 @@ bool ConeFinder::find_place(double area, Cone& cone) {
   const GridPoint old = point(vertex_);
   seen_.clear();
   const Vector wanted = best_place(old);
+  if (!is_near(wanted)) return false;
   constexpr int kTries = 6;
   double share = 1;
   for (int i = 0; i < kTries; ++i, share /= 2) {
@@ -124,6 +132,7 @@ bool ConeFinder::find_new(Index t, const GridPoint& start, Cone& cone) {
     if (const double gain = closure_.solve() - cost; gain > std::max(cone.gain, kLeastGain * cost))
       collect(place, gain, cone);
     const Vector wanted = best_place(place);
+    if (!is_near(wanted)) break;
     for (std::size_t k = 0; k < 3; ++k) place[k] += static_cast<std::int32_t>(std::lround(wanted[k]));
   }
   return cone.gain > 0;

@@ -76,11 +76,13 @@ tetfmt::OptionalSection section(tetfmt::SectionKind kind, const std::vector<T>& 
   return {kind, sizeof(T), {bytes.begin(), bytes.end()}};
 }
 
+/// One, or none if there is no surface left.
 std::vector<tetfmt::SurfaceBounds> surface_bounds(const tetfmt::Mesh& mesh) {
   tetfmt::Bounds bounds;
   for (const tetfmt::Triangle& triangle : mesh.triangles)
     if (!triangle.dropped())
       for (const Index id : triangle.vertices) bounds.add(mesh.vertices[id]);
+  if (!(bounds.lower.x <= bounds.upper.x)) return {};
   return {{bounds.lower, bounds.upper}};
 }
 
@@ -144,7 +146,8 @@ tetfmt::Mesh order(const TetMesh& mesh, const CleanSurface& surface,
 
   out.sources = choose_sources(mesh);
   if (!mesh.region.empty()) out.optional.push_back(region_section(mesh));
-  out.optional.push_back(section(tetfmt::kSurfaceBounds, surface_bounds(out)));
+  if (const auto bounds = surface_bounds(out); !bounds.empty())
+    out.optional.push_back(section(tetfmt::kSurfaceBounds, bounds));
   if (cut) {
     for (Corners& corners : input) corners = vertices.of(corners);
     out.optional.push_back(section(tetfmt::kOrigins, surface.input_triangle));

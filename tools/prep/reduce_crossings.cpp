@@ -61,7 +61,7 @@ class Reducer {
  private:
   /// Looks at the corners of all tets with a free face of at least `least_area`, then at those of such tets
   /// that have come, for so many rounds or until nothing is found. Progress goes from `start` to `end`.
-  void improve(double least_area, int rounds, double start, double end) {
+  void improve(float least_area, int rounds, double start, double end) {
     std::vector<Index> current, next;
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
       if (is_worth_a_look(static_cast<Index>(t), least_area)) current.push_back(static_cast<Index>(t));
@@ -98,14 +98,15 @@ class Reducer {
     }
   }
 
-  bool is_worth_a_look(Index t, double least_area) const {
+  bool is_worth_a_look(Index t, float least_area) const {
     return !is_gap(mesh_, t) && worth(t) >= least_area;
   }
 
-  /// Of a look at tet t: the area of its largest free face, or less.
-  double worth(Index t) const {
+  /// Of a look at tet t: the area of its largest free face, or less. Of one precision, so that equal faces
+  /// are.
+  float worth(Index t) const {
     const bool outside = mesh_.region.empty() || mesh_.region[t] == 0;
-    return (outside ? 1 : kInside) * largest_free_face(mesh_, t);
+    return static_cast<float>((outside ? 1 : kInside) * largest_free_face(mesh_, t));
   }
 
   void find(Index t, std::array<Cone, 4>& cones) {
@@ -206,10 +207,10 @@ class Reducer {
   }
 
   /// What a look is worth at `share` of the tets, or more.
-  double area_of_share(double share) const {
+  float area_of_share(double share) const {
     std::vector<float> areas(mesh_.tets.size());
     tbb::parallel_for(std::size_t{0}, areas.size(),
-                      [&](std::size_t t) { areas[t] = static_cast<float>(worth(static_cast<Index>(t))); });
+                      [&](std::size_t t) { areas[t] = worth(static_cast<Index>(t)); });
     const auto at =
         areas.end() - 1 - static_cast<std::ptrdiff_t>(share * static_cast<double>(areas.size() - 1));
     std::nth_element(areas.begin(), at, areas.end());

@@ -2,6 +2,7 @@
 #include "prep/replace_tets.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 #include "prep/take_tets.hpp"
 
@@ -87,7 +88,9 @@ void TetReplacer::join_sides(Index apex) {
       wanted.low = std::min(wanted.low, v);
       wanted.high = std::max(wanted.high, v);
     }
-    const Side& side = *std::lower_bound(sides_.begin(), sides_.end(), wanted);
+    const auto found = std::lower_bound(sides_.begin(), sides_.end(), wanted);
+    assert(found != sides_.end());  // the new tets fill what the rim encloses
+    const Side& side = *found;
     mesh_.neighbors[side.tet][side.corner] = rim.outside;
     mesh_.face_triangle[side.tet][side.corner] = rim.triangle;
     if (rim.outside != kNone) mesh_.neighbors[rim.outside][rim.outside_corner] = side.tet;

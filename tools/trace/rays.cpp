@@ -86,7 +86,8 @@ void Rays::begin(std::span<const SceneRay> rays) {
   }
 }
 
-void Rays::gather(std::size_t part, std::span<const Place> places, std::span<const SceneRay> rays) {
+void Rays::gather(std::size_t part, std::span<const Place> places, std::span<const SceneRay> rays,
+                  bool share) {
   const Part& here = *scene_.parts[part];
   batch_.places.clear(), batch_.rays.clear(), batch_.numbers.clear();
   std::optional<std::uint32_t> last;  // rays of one place follow each other, and share it here as well
@@ -97,7 +98,7 @@ void Rays::gather(std::size_t part, std::span<const Place> places, std::span<con
     const bool meets =
         place.part == part || may_meet(here.view().bounds(), local, vec3(ray.direction), reach_[k]);
     if (reach_[k] < 0 || !meets) continue;
-    if (last != ray.from) {
+    if (!share || last != ray.from) {
       batch_.places.push_back(place.part == part ? place.location
                                                  : tetfmt::locate(here.view(), rounded(local)));
       if (batch_.places.back().state == tetfmt::Location::State::corrupt) fail_corrupt(here);
@@ -115,7 +116,7 @@ void Rays::first_hits(std::span<const Place> places, std::span<const SceneRay> r
   std::fill(hits.begin(), hits.end(), SceneHit{});
   for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
     const Part& part = *scene_.parts[i];
-    gather(i, places, rays);
+    gather(i, places, rays, true);
     batch_.hits.resize(batch_.rays.size());
     tetprep::first_hits(walks_, part.view(), batch_.places, batch_.rays, batch_.hits);
     for (std::size_t k = 0; k < batch_.rays.size(); ++k) {
@@ -130,11 +131,11 @@ void Rays::first_hits(std::span<const Place> places, std::span<const SceneRay> r
 
 template <class Ask>
 void Rays::each_part_obstacles(std::span<const Place> places, std::span<const SceneRay> rays,
-                               std::span<Outcome> outcomes, Ask ask) {
+                               std::span<Outcome> outcomes, bool share, Ask ask) {
   begin(rays);
   std::fill(outcomes.begin(), outcomes.end(), Outcome::miss);
   for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
-    gather(i, places, rays);
+    gather(i, places, rays, share);
     batch_.outcomes.resize(batch_.rays.size());
     ask(i);
     for (std::size_t k = 0; k < batch_.rays.size(); ++k) {
@@ -147,14 +148,14 @@ void Rays::each_part_obstacles(std::span<const Place> places, std::span<const Sc
 
 void Rays::obstacles(std::span<const Place> places, std::span<const SceneRay> rays,
                      std::span<Outcome> outcomes) {
-  each_part_obstacles(places, rays, outcomes, [&](std::size_t i) {
+  each_part_obstacles(places, rays, outcomes, true, [&](std::size_t i) {
     occlusions(walks_, scene_.parts[i]->view(), batch_.places, batch_.rays, batch_.outcomes);
   });
 }
 
 void Rays::obstacles(std::span<const Place> places, std::span<const SceneRay> rays, const LocatedLight& light,
                      std::span<Outcome> outcomes) {
-  each_part_obstacles(places, rays, outcomes, [&](std::size_t i) {
+  each_part_obstacles(places, rays, outcomes, false, [&](std::size_t i) {
     occlusions(walks_, scene_.parts[i]->view(), batch_.places, light.locations[i], batch_.outcomes);
   });
 }

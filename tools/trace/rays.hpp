@@ -95,11 +95,13 @@ class Rays {
   };
   /// Counts the rays, and sets out to follow each as far as it goes.
   void begin(std::span<const SceneRay> rays);
-  void gather(std::size_t part, std::span<const Place> places, std::span<const SceneRay> rays);
+  /// `share`: rays of one place that follow each other share it in the batch; else it has a place for each
+  /// ray.
+  void gather(std::size_t part, std::span<const Place> places, std::span<const SceneRay> rays, bool share);
   /// `ask(part)` fills in the batch's outcomes. What is in the way in one part is not asked of the next.
   template <class Ask>
   void each_part_obstacles(std::span<const Place> places, std::span<const SceneRay> rays,
-                           std::span<tetfmt::Outcome> outcomes, Ask ask);
+                           std::span<tetfmt::Outcome> outcomes, bool share, Ask ask);
   /// Whether `outcome` is a hit; counts and throws as it must.
   bool is_hit(tetfmt::Outcome outcome, const Part& part);
   Place side(const SceneHit& hit, const tetfmt::Location& location) const;

@@ -146,7 +146,8 @@ Outcome occlusion(const TrustedView& view, const Location& from, const Location&
 /// camera sees: each as occlusion(view, from, target) has it. Rays are walked together, 1024 at a time:
 /// several times faster where neighbours in `targets` are seen from `from` in close directions, as for
 /// first_hits. `outcomes` must have the size of `targets`. Returns the number of tetrahedra visited, each
-/// counted once for all rays that were in it together (rays that had to go alone are not counted).
+/// counted once for all rays that were in it together (what no walk together can take is not counted: places
+/// that are no numbers, say).
 std::uint64_t occlusions(const FileView& view, const Location& from, std::span<const Location> targets,
                          std::span<Outcome> outcomes);
 std::uint64_t occlusions(const TrustedView& view, const Location& from, std::span<const Location> targets,
