@@ -19,7 +19,8 @@ namespace tetbench {
 enum class Flow : std::uint8_t {
   rays,       ///< first hits, and all hits of a share
   crossings,  ///< all hits of every ray
-  shared,     ///< first hits of many rays from one place, one by one and together
+  shared,     ///< first hits of many rays from one place, and occlusion from it to many others, one by
+              ///< one and together
   bounces,    ///< first hits, then three times a ray from a side of the face that was met
   segments,   ///< occlusion between two places
 };

@@ -21,7 +21,7 @@ enum class Fault : std::uint8_t {
   hung,       ///< a walk was cut short, or took more steps than there are tetrahedra
   started,    ///< a place was given to a tetrahedron that does not contain it
   self_hit,   ///< a ray from a side of a face met that face, though it leaves it
-  differs,    ///< layouts, views, bases or exact arithmetics disagreed
+  differs,    ///< layouts, views, bases, exact arithmetics, or one ray at a time and many disagreed
 };
 inline constexpr std::array<const char*, 8> kFaultNames = {"wrong", "missed",  "false", "double",
                                                            "hung",  "started", "self",  "differ"};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "common/parse.hpp"
 
@@ -81,8 +82,15 @@ Bench::Bench(const std::string& path)
   }
 }
 
+std::uint32_t Asked::number_of(const Start& start) {
+  if (starts.empty() || !same(starts.back().location, start.location)) starts.push_back(start);
+  return static_cast<std::uint32_t>(starts.size() - 1);
+}
+
 void Tester::run(std::uint64_t count) {
-  while (tally_.rays < count) switch (set_.flow) {
+  constexpr std::size_t kSideBySide = 1024;
+  while (tally_.rays < count) {
+    switch (set_.flow) {
       case Flow::rays:
         single(dice_.below(8) == 0);
         break;
@@ -99,6 +107,9 @@ void Tester::run(std::uint64_t count) {
         segment();
         break;
     }
+    if (asked_.rays.size() + asked_.segments.size() >= kSideBySide) side_by_side();
+  }
+  side_by_side();
 }
 
 void Tester::report(const std::optional<Finding>& finding) {
@@ -158,6 +169,17 @@ Hit Tester::ray(const Start& start, const Vec3f& direction, const Interval& inte
       report(differs(std::string(kOthers) + "first_hit"));
   });
 
+  const Outcome expected = truth.empty() ? Outcome::miss : Outcome::hit;
+  const auto occlusion = [&](const auto& view) {
+    const Outcome answer = tetfmt::occlusion(view, start.location, direction, interval);
+    if (answer != expected)
+      report(Finding{expected == Outcome::hit ? Fault::missed : Fault::false_hit, "occlusion along a ray"});
+    return answer;
+  };
+  asked_.rays.push_back({asked_.number_of(start), direction, interval});
+  asked_.hits.push_back(hit);
+  asked_.blocked.push_back(occlusion(scene.view(0)));
+
   const Hit by_floats =
       tetfmt::first_hit(scene.view(0), start.location, direction, interval, tetfmt::Kernel::float_only);
   if (by_floats.outcome == Outcome::corrupt || (by_floats.outcome == Outcome::miss && !truth.empty()))
@@ -181,14 +203,7 @@ Hit Tester::ray(const Start& start, const Vec3f& direction, const Interval& inte
                                             [](const Hit& a, const Hit& b) { return same(a, b); }))
           report(differs(std::string(kOthers) + "all_hits"));
       });
-    const Outcome expected = truth.empty() ? Outcome::miss : Outcome::hit;
-    const auto check = [&](const auto& view) {
-      const Outcome answer = tetfmt::occlusion(view, start.location, direction, interval);
-      if (answer != expected)
-        report(Finding{expected == Outcome::hit ? Fault::missed : Fault::false_hit, "occlusion along a ray"});
-    };
-    check(scene.view(0));
-    with_other_views(scene, check);
+    with_other_views(scene, occlusion);
     if (whole && start.side == tetfmt::kNone) {
       RayList asked;
       asked.add(0, {rounded(start.place.position), direction});
@@ -250,6 +265,69 @@ void Tester::shared() {
       if (same_answer(alone[i], together[i])) continue;
       about(start, wide(directions[i]), {});
       report(differs("first_hit and first_hits: " + difference(alone[i], together[i])));
+    }
+  };
+  compare(bench_.scene.view(0));
+  with_other_views(bench_.scene, compare);
+  targets(start, alone);
+}
+
+void Tester::targets(const Start& from, const std::vector<Hit>& hits) {
+  const Scene& scene = bench_.scene;
+  std::vector<Start> ends = {from};
+  for (const Hit& hit : hits) {
+    if (hit.outcome != Outcome::hit) {
+      ends.push_back(locate(bench_.maker.end_point(dice_)));
+      continue;
+    }
+    const bool far = ends.size() % 2 == 0;
+    const tetfmt::FileView& view = scene.view(0).view();
+    ends.push_back(
+        bench_.judge.start_on_side(far ? tetfmt::far_side(view, hit) : tetfmt::near_side(view, hit),
+                                   far ? tetfmt::twin(hit.side) : hit.side));
+  }
+  const std::uint32_t number = asked_.number_of(from);
+  std::vector<Location> places;
+  std::vector<Outcome> alone, together(ends.size());
+  for (const Start& to : ends) {
+    places.push_back(to.location);
+    alone.push_back(tetfmt::occlusion(scene.view(0), from.location, to.location));
+    asked_.segments.push_back({number, asked_.number_of(to)});
+    asked_.hidden.push_back(alone.back());
+  }
+  const auto compare = [&](const auto& view) {
+    tetfmt::occlusions(view, from.location, places, together);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (alone[i] == together[i]) continue;
+      about(from, ends[i].place.position, {0, 1});
+      report(differs("occlusion and occlusions from place to place"));
+    }
+  };
+  compare(scene.view(0));
+  with_other_views(scene, compare);
+}
+
+void Tester::side_by_side() {
+  const Asked asked = std::exchange(asked_, {});
+  std::vector<Location> places;
+  for (const Start& start : asked.starts) places.push_back(start.location);
+  std::vector<Hit> hits(asked.rays.size());
+  std::vector<Outcome> blocked(asked.rays.size()), hidden(asked.segments.size());
+  const auto compare = [&](const auto& view) {
+    tetfmt::trace_batch(view, places, asked.rays, hits);
+    tetfmt::occlude_batch(view, places, asked.rays, blocked);
+    tetfmt::occlude_batch(view, places, asked.segments, hidden);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      const tetfmt::BatchRay& ray = asked.rays[i];
+      about(asked.starts[ray.from], wide(ray.direction), ray.interval);
+      if (!same_answer(asked.hits[i], hits[i]))
+        report(differs("first_hit and trace_batch: " + difference(asked.hits[i], hits[i])));
+      if (asked.blocked[i] != blocked[i]) report(differs("occlusion and occlude_batch along a ray"));
+    }
+    for (std::size_t i = 0; i < hidden.size(); ++i) {
+      if (asked.hidden[i] == hidden[i]) continue;
+      about(asked.starts[asked.segments[i].from], asked.starts[asked.segments[i].to].place.position, {0, 1});
+      report(differs("occlusion and occlude_batch from place to place"));
     }
   };
   compare(bench_.scene.view(0));
@@ -387,6 +465,9 @@ void Tester::segment() {
   if (to.side != tetfmt::kNone) what += "; to side " + std::to_string(to.side);
   tally_.hits += expected == Outcome::hit ? 1 : 0;
   const Outcome answer = tetfmt::occlusion(scene.view(0), from.location, to.location);
+  const std::uint32_t number = asked_.number_of(from);
+  asked_.segments.push_back({number, asked_.number_of(to)});
+  asked_.hidden.push_back(answer);
   if (answer == Outcome::corrupt)
     report(Finding{Fault::hung, what});
   else if (answer != expected)

@@ -4,12 +4,14 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "bench/judge.hpp"
 #include "bench/rays.hpp"
 #include "bench/scene.hpp"
 #include "bench/tally.hpp"
 #include "bench/tracer.hpp"
+#include "tetfmt/batch.hpp"
 
 namespace tetbench {
 
@@ -21,6 +23,18 @@ struct Bench {
   RayMaker maker;
   Structures structures;
   std::array<std::unique_ptr<Tracer>, 2> peers;  ///< embree-1 and embree-1-robust, or none
+};
+
+/// Rays and segments that were answered one by one, kept to be asked once more, side by side.
+struct Asked {
+  std::vector<Start> starts;  ///< where rays and segments begin and end
+  std::vector<tetfmt::BatchRay> rays;
+  std::vector<tetfmt::Hit> hits;         ///< of each ray
+  std::vector<tetfmt::Outcome> blocked;  ///< likewise
+  std::vector<tetfmt::BatchSegment> segments;
+  std::vector<tetfmt::Outcome> hidden;  ///< of each segment
+  /// The place's number. The last one has one number however often it is asked for.
+  std::uint32_t number_of(const Start& start);
 };
 
 class Tester {
@@ -48,6 +62,10 @@ class Tester {
   void leave(const Start& start);
   tetfmt::Vec3f bounce(const Start& start, const tetfmt::Vec3f& incoming);
   Start segment_end();
+  /// From a place to what its rays have met, and to others: one by one and together.
+  void targets(const Start& from, const std::vector<tetfmt::Hit>& hits);
+  /// What was asked since the last time, once more and side by side.
+  void side_by_side();
 
   void report(const std::optional<Finding>& finding);
   /// What reproducers name from here on.
@@ -58,6 +76,7 @@ class Tester {
   Dice dice_;
   Tally tally_;
   Reproducer current_;
+  Asked asked_;
   std::optional<tetfmt::Cell> near_;  ///< where the last place was found
   Answers peers_answer_ = Answers(1);
 };
