@@ -4,8 +4,10 @@
 #include <stdlib.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bench/provenance.hpp"
 #include "bench/statistics.hpp"
@@ -27,12 +29,13 @@ constexpr std::pair<const char*, tetprep::Optimize> kEfforts[] = {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::error_code error;
-    path_ = (std::filesystem::temp_directory_path(error) / "tet-bench-XXXXXX").string();
-    if (error || mkdtemp(path_.data()) == nullptr)
+    const char* chosen = std::getenv("TMPDIR");
+    const std::string parent = chosen && *chosen != 0 ? chosen : "/tmp";
+    path_ = parent + "/tet-bench-XXXXXX";
+    if (mkdtemp(path_.data()) == nullptr)
       throw tetprep::Failure(
           tetprep::ExitCode::io,
-          path_ + ": cannot make a folder for temporary files; set TMPDIR to another place");
+          parent + ": cannot make a folder for temporary files there; set TMPDIR to another place");
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
@@ -72,8 +75,10 @@ void add(ConvertCost& cost, const tetprep::ConvertReport& report) {
   }
 }
 
-/// Of TetGen's time; 0 if the stage was left out.
-Summary share(const ConvertCost& cost) {
+/// Of TetGen's time; 0 if the stage was left out. Nothing if TetGen took less than the clock tells.
+std::optional<Summary> share(const ConvertCost& cost) {
+  if (std::any_of(cost.tetgen.begin(), cost.tetgen.end(), [](double s) { return !(s > 0); }))
+    return std::nullopt;
   return ratio(cost.reduce_crossings, cost.tetgen, 1);
 }
 
@@ -86,6 +91,10 @@ Json summary_json(const Summary& summary) {
 std::vector<ConvertCost> convert_costs(const std::vector<std::string>& meshes, int repeats,
                                        tetprep::Progress& progress) {
   const TemporaryFolder folder;
+  for (const std::string& mesh : meshes) {
+    progress.stage("read " + mesh);
+    tetprep::read_soup(mesh);
+  }
   std::vector<ConvertCost> costs;
   for (const std::string& mesh : meshes) {
     const std::size_t first = costs.size();
@@ -124,9 +133,10 @@ std::string convert_table(const std::vector<ConvertCost>& costs, int repeats) {
       line((stage.name.starts_with("tetgen: ") ? "  " : "") + stage.name, stage.seconds);
     line("in all", cost.seconds);
     line("of that TetGen", cost.tetgen);
+    const std::optional<Summary> of_tetgen = share(cost);
     if (cost.area_before > 0)
       result += format("  reducing crossings / TetGen  %s; area of unconstrained faces %.2f -> %.2f boxes\n",
-                       text(share(cost), 3).c_str(), cost.area_before, cost.area_after);
+                       of_tetgen ? text(*of_tetgen, 3).c_str() : "-", cost.area_before, cost.area_after);
   }
   return result;
 }
@@ -152,6 +162,7 @@ std::string convert_json(const std::vector<ConvertCost>& costs, int repeats) {
   json["repeats"] = repeats;
   json["conversions"] = Json::array();
   for (const ConvertCost& cost : costs) {
+    const std::optional<Summary> of_tetgen = share(cost);
     Json entry = {{"file", cost.file},
                   {"optimize", cost.optimize},
                   {"triangles", cost.triangles},
@@ -160,7 +171,7 @@ std::string convert_json(const std::vector<ConvertCost>& costs, int repeats) {
                   {"seconds", summary_json(summarize(cost.seconds))},
                   {"tetgen_seconds", summary_json(summarize(cost.tetgen))},
                   {"reduce_crossings_seconds", summary_json(summarize(cost.reduce_crossings))},
-                  {"reduce_crossings_to_tetgen", summary_json(share(cost))},
+                  {"reduce_crossings_to_tetgen", of_tetgen ? summary_json(*of_tetgen) : Json()},
                   {"area_before", cost.area_before},
                   {"area_after", cost.area_after},
                   {"stages", Json::array()}};

@@ -26,7 +26,8 @@ struct ConvertCost {
 };
 
 /// Converts each mesh `repeats` times with each effort (none, fast, best), in turn, by one thread beside
-/// TetGen's process, into a folder for temporary files that is removed. Throws Failure as a conversion does.
+/// TetGen's process, into a folder for temporary files that is removed. Throws
+/// Failure as a conversion does; for a mesh that cannot be read, before the first conversion.
 std::vector<ConvertCost> convert_costs(const std::vector<std::string>& meshes, int repeats,
                                        tetprep::Progress& progress);
 
