@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 // `tet bench`: what it says of a sound file, in every form, and of a wrong command line.
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -172,6 +173,57 @@ TEST_F(CliTest, BenchComparesMeshesOfSeveralSizesAndPartsByName) {
   EXPECT_NE(read_bytes("growth.svg").find("camera-9-shuffled"), std::string::npos);
 }
 
+TEST_F(CliTest, BenchWritesItsTableBeforePictures) {
+  const std::string file = write_mesh("box.tet", box_mesh());
+  std::filesystem::create_directories("pictures/box-errors.svg");  // in the way of the picture
+  const RunResult result = tet({"bench", file, "--tracers", "bvh", "--workloads", "lines", "--size", "8",
+                                "--repeats", "1", "--pictures", "pictures"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("box-errors.svg"), std::string::npos) << result.err;
+  EXPECT_NE(result.out.find("box.tet: nanoseconds a ray"), std::string::npos) << result.out;
+}
+
+TEST_F(CliTest, BenchLeavesOutTablesOfNothing) {
+  const std::string file = write_mesh("box.tet", box_mesh());
+  const RunResult result =
+      tet({"bench", file, "--tracers", "tet20-float,tet20-float-orthonormal", "--workloads", "lines,shadow",
+           "--size", "8", "--repeats", "1", "--against", "tet20-float", "--json", "out.json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Json workloads = Json::parse(read_bytes("out.json")).at("meshes")[0].at("workloads");
+  ASSERT_EQ(workloads.size(), 1U) << "no float tracer answers shadow rays";
+  EXPECT_EQ(workloads[0].at("name"), "lines");
+  EXPECT_EQ(workloads[0].at("rows").size(), 2U);
+  EXPECT_EQ(result.out.find("shadow"), std::string::npos) << result.out;
+
+  const RunResult absent = tet({"bench", file, "--tracers", "tet20-exact,tet20-float", "--workloads",
+                                "shadow", "--size", "8", "--repeats", "1", "--against", "tet20-float"});
+  EXPECT_EQ(absent.exit_code, 0) << absent.err;
+  EXPECT_NE(absent.out.find("box.tet: nanoseconds a ray"), std::string::npos) << absent.out;
+  EXPECT_EQ(absent.out.find("time / tet20-float"), std::string::npos) << absent.out;
+}
+
+TEST_F(CliTest, BenchLooksAtEveryInputBeforeLongWork) {
+  const std::string file = write_mesh("box.tet", box_mesh());
+  write_bytes("text.tet", "no tet file");
+  // Neither of these could be run to its end within the time of a test.
+  EXPECT_EQ(tet({"bench", file, "text.tet", "--size", "10000", "--repeats", "1000"}).exit_code, 3);
+  EXPECT_EQ(tet({"bench", "--stress", file, "text.tet", "--rays", "1000000000000"}).exit_code, 3);
+#ifdef TET_HAS_CONVERTER
+  EXPECT_EQ(tet({"sample", "sphere", "-o", "ball.off", "--triangles", "3000"}).exit_code, 0);
+  const auto refused = [&](const std::string& mesh, int code, const std::string& named) {
+    const RunResult result = tet({"bench", "--convert", "ball.off", mesh, "--repeats", "1000"});
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    EXPECT_NE(result.err.find(named + ": "), std::string::npos) << result.err;
+  };
+  refused("none.off", 2, "none.off");
+  write_bytes("ball.xyz", "0 0 0");
+  refused("ball.xyz", 5, "ball.xyz");
+  setenv("TMPDIR", "/none", 1);
+  refused("ball.off", 2, "/none");
+  unsetenv("TMPDIR");
+#endif
+}
+
 TEST_F(CliTest, BenchConvertTimesEveryStage) {
   EXPECT_EQ(tet({"sample", "sphere", "-o", "ball.off", "--triangles", "300"}).exit_code, 0);
   const RunResult result =
@@ -229,11 +281,15 @@ TEST_F(CliTest, BenchRefusesWhatItCannotDo) {
   refused({file, "--tracers", "bvh", "--against", "kd-tree"}, 1, {"--against", "kd-tree"});
   refused({file, "--csv", file}, 1, {file});
   refused({file, "--pictures", file}, 2, {file, "--pictures"});
+  refused({file, "--pictures", "/proc"}, 2, {"/proc", "create a file"});
+  refused({file, "--tracers", "tet20-float", "--workloads", "shadow", "--size", "8"}, 1,
+          {"--tracers", "--workloads"});
   refused({"--stress", file, "--quick"}, 1, {"--quick", "--stress"});
   refused({"--convert", file, "--tracers", "bvh"}, 1, {"--tracers", "--convert"});
   refused({"--stress", file, "--convert"}, 1, {"--stress", "--convert"});
   refused({"--stress", file, "--csv", file}, 1, {file});
-  refused({"--stress", file, "--csv", "a.csv", "--json", "a.csv"}, 1, {"a.csv"});
+  refused({"--stress", file, "--csv", "a.csv", "--json", "a.csv"}, 1, {"--csv and --json", "a.csv"});
+  refused({file, "--csv", "a", "--json", "./a"}, 1, {"--csv and --json", "./a"});
   refused({"--stress", file, "--csv", "-"}, 1, {"/dev/stdout"});
   refused({"--stress", file, "--size", "9"}, 1, {"--size", "--stress"});
   refused({file, "--rays", "9"}, 1, {"--rays", "--stress"});

@@ -121,6 +121,9 @@ class MeshRace {
   };
 
   void run(const std::string& name, const std::string& description, const RayList& rays) {
+    if (std::none_of(tracers_.begin(), tracers_.end(),
+                     [&](const Named& each) { return each.tracer->takes(rays); }))
+      return;
     RaceWorkload workload{name,           description,   rays.size(),   0, 0, 0,
                           rays.occlusion, rays.coherent, rays.distance, {}};
     const Truth truth = find_truth(scene_, judge_, rays, options_.sample, options_.rays.seed);
@@ -216,11 +219,20 @@ RaceResult race(const std::vector<std::string>& files, const RaceOptions& option
   else if (!has(options.against))
     throw Failure(ExitCode::usage, "--against: '" + options.against + "' is not among the tracers");
   for (const std::string& file : files) {
+    progress.stage("check " + file);
+    Scene::check(file);
+  }
+  for (const std::string& file : files) {
     progress.stage("open " + file);
     MeshRace mesh(file, options, tracers, progress);
     for (const WorkloadKind& kind : workloads) mesh.run(kind);
     result.meshes.push_back(mesh.take());
   }
+  if (std::all_of(result.meshes.begin(), result.meshes.end(),
+                  [](const RaceMesh& mesh) { return mesh.workloads.empty(); }))
+    throw Failure(ExitCode::usage,
+                  "nothing to measure: none of the tracers (--tracers) takes any of the workloads "
+                  "(--workloads); `tet bench --help` describes both");
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return result;
 }

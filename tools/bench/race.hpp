@@ -48,7 +48,7 @@ struct RaceMesh {
   std::uint64_t file_bytes = 0;
   std::vector<double> open_ms, validate_ms;
   std::vector<Structure> structures;
-  std::vector<RaceWorkload> workloads;
+  std::vector<RaceWorkload> workloads;  ///< that a tracer takes
 };
 
 struct RaceResult {
@@ -63,7 +63,8 @@ struct RaceResult {
 std::vector<TracerKind> chosen_tracers(const std::vector<std::string>& names);
 std::vector<WorkloadKind> chosen_workloads(const std::vector<std::string>& names);
 
-/// One thread in all that is timed. Throws Failure for files that cannot be tested (Scene).
+/// One thread in all that is timed. Throws Failure for files that cannot be tested (Scene), before long work;
+/// if no tracer takes any workload (usage).
 RaceResult race(const std::vector<std::string>& files, const RaceOptions& options,
                 tetprep::Progress& progress);
 

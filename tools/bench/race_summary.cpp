@@ -16,11 +16,13 @@ std::string digits(double value, int significant) {
 
 using Cells = std::vector<std::vector<std::string>>;
 
-/// The first row is the head. Rows without anything but their name are left out.
+/// The first row is the head. Rows without anything but their name are left out, and so is a table
+/// without other rows.
 std::string table(const std::string& title, Cells rows) {
   std::erase_if(rows, [](const std::vector<std::string>& row) {
     return std::all_of(row.begin() + 1, row.end(), [](const std::string& cell) { return cell.empty(); });
   });
+  if (rows.size() == 1) return "";
   std::vector<std::size_t> widths(rows.front().size(), 1);
   for (const auto& row : rows)
     for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());

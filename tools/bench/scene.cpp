@@ -29,16 +29,25 @@ std::unique_ptr<tetfmt::TrustedView> validated(std::span<const std::byte> bytes,
   return std::make_unique<tetfmt::TrustedView>(*view);
 }
 
-}  // namespace
-
-Scene::Scene(const std::string& path) : path_(path), file_(map(path)) {
-  views_[0] = validated(file_.bytes(), path);
-  const tetfmt::FileView& view = views_[0]->view();
-  if (view.partial())
+std::unique_ptr<tetfmt::TrustedView> testable(std::span<const std::byte> bytes, const std::string& path) {
+  auto trusted = validated(bytes, path);
+  if (trusted->view().partial())
     throw Failure(ExitCode::unsupported, path +
                                              ": leaves space out, about which a surface says nothing; use a "
                                              "file that was converted with --keep all");
-  if (view.sides().empty()) throw Failure(ExitCode::unsupported, path + ": has no surface to hit");
+  if (trusted->view().sides().empty()) throw Failure(ExitCode::unsupported, path + ": has no surface to hit");
+  return trusted;
+}
+
+}  // namespace
+
+void Scene::check(const std::string& path) {
+  testable(map(path).bytes(), path);
+}
+
+Scene::Scene(const std::string& path) : path_(path), file_(map(path)) {
+  views_[0] = testable(file_.bytes(), path);
+  const tetfmt::FileView& view = views_[0]->view();
   auto mesh = tetfmt::reconstruct(view);
   if (!mesh) throw Failure(ExitCode::invalid, path + ": " + tetfmt::to_string(mesh.error()));
   mesh_ = std::move(mesh).value();

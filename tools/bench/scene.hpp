@@ -20,6 +20,9 @@ class Scene {
   /// space out, or has no surface.
   explicit Scene(const std::string& path);
 
+  /// Throws what the constructor would, without keeping anything: for files whose turn comes after long work.
+  static void check(const std::string& path);
+
   const std::string& path() const { return path_; }
   /// 0: as it is in the file; 1: the same mesh in the other layout.
   const tetfmt::TrustedView& view(std::size_t which) const { return *views_[which]; }

@@ -49,6 +49,10 @@ StressResult stress(const std::vector<std::string>& files, const StressOptions& 
   for (const RaySet& set : sets) weights += static_cast<std::uint64_t>(set.weight);
   StressResult result;
   for (const std::string& file : files) {
+    progress.stage("check " + file);
+    Scene::check(file);
+  }
+  for (const std::string& file : files) {
     progress.stage("open " + file);
     const Bench bench(file);
     const Surface& surface = bench.scene.surface();

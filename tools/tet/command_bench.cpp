@@ -35,7 +35,9 @@ struct Outputs {
       refuse_same_file(file, options.csv);
       refuse_same_file(file, options.json);
     }
-    refuse_same_file(options.csv, options.json);
+    if (same_file(options.csv, options.json))
+      throw Failure(ExitCode::usage,
+                    "--csv and --json both name " + options.json + "; give each output a file of its own");
     for (const std::string& output : {options.csv, options.json})
       if (output == "-")
         throw Failure(ExitCode::usage,
@@ -52,34 +54,35 @@ struct Outputs {
   }
 };
 
-/// Makes the folder, if there is none.
-void make_folder(const std::string& folder) {
+/// Makes the folder, if there is none, and sees that files can be made there.
+void prepare_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder))
     throw Failure(ExitCode::io, folder + ": cannot make this folder" +
                                     (error ? " (" + error.message() + ")" : "") +
                                     "; --pictures takes the name of a folder");
+  const AtomicFile probe(folder + "/errors.svg");  // discarded
 }
 
 int run_race(BenchOptions options) {
   tetbench::chosen_tracers(options.race.tracers);  // long work should not end in a wrong name
   tetbench::chosen_workloads(options.race.workloads);
   Outputs outputs(options);
-  if (!options.pictures.empty()) make_folder(options.pictures);
+  if (!options.pictures.empty()) prepare_folder(options.pictures);
   tetbench::RaceResult result;
   {
     TerminalProgress progress(true, true);
     result = tetbench::race(options.files, options.race, progress);
   }
   outputs.write([&] { return tetbench::race_csv(result); }, [&] { return tetbench::race_json(result); });
+  Output::standard().write(tetbench::race_table(result));
   if (!options.pictures.empty())
     for (const tetbench::Picture& picture : tetbench::race_pictures(result)) {
       AtomicFile file(options.pictures + "/" + picture.name);
       file.write(picture.svg);
       file.commit();
     }
-  Output::standard().write(tetbench::race_table(result));
   return static_cast<int>(result.failures() == 0 ? ExitCode::ok : ExitCode::differs);
 }
 
@@ -240,7 +243,11 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
       "meets an\n"
       "edge exactly, any triangle there is right), or something in the way where nothing is. Missed: "
       "nothing where\n"
-      "there is something. Rays from surfaces start on their side of the surface exactly; peers' start at "
+      "there is something. What only touches an edge or a vertex is in the way by the exact kernel's rule "
+      "for ties:\n"
+      "where it is only asked whether something is in the way (ao, shadow), a peer that says otherwise "
+      "counts as wrong\n"
+      "or missed. Rays from surfaces start on their side of the surface exactly; peers' start at "
       "that point\n"
       "rounded to float32, and count from 0.00001 of the surface's diagonal on.\n"
       "\n" +
@@ -251,10 +258,11 @@ void add_bench_command(CLI::App& app, std::function<int()>& run) {
       "closed surface),\n"
       "hung, started (a place given to a tetrahedron that does not contain it), self (a ray met the "
       "face that it\n"
-      "leaves), differ (layouts, checked and unchecked view, bases, arithmetics). Counted for "
-      "comparison: fl.wrong\n"
-      "and lost, of the float kernel; Embree, where built in. double2, exact, tied: share of signs "
-      "that needed it.\n"
+      "leaves), differ (layouts, checked and unchecked view, bases, arithmetics; one ray at a time, "
+      "many from one\n"
+      "place together, and many of any places side by side). Counted for comparison: fl.wrong and "
+      "lost, of the float\n"
+      "kernel; Embree, where built in. double2, exact, tied: share of signs that needed it.\n"
       "\n"
       "Exit codes: 0 done, and no failure; 1 usage; 2 a file cannot be read or written; 3 a broken "
       "tet file;\n"
