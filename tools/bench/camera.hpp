@@ -27,8 +27,8 @@ using Orientation = std::array<tetfmt::Vec3f, 3>;
 inline constexpr Orientation kAlongMinusZ = {tetfmt::Vec3f{1, 0, 0}, tetfmt::Vec3f{0, 1, 0},
                                              tetfmt::Vec3f{0, 0, -1}};
 
-/// size x size directions, in squares of 16 x 16 pixels, and these in squares of 4 x 4, as renderers shoot
-/// them.
+/// size x size directions, in squares of 4 x 4 pixels, these in squares of 2 x 2, and so on (Z order), as
+/// renderers shoot them.
 std::vector<tetfmt::Vec3f> view_directions(int size, double field_of_view, const Orientation& = kAlongMinusZ);
 
 /// A point that is surrounded: the middle of the longest stretch between two crossings, of lines along the

@@ -24,7 +24,9 @@ Truth find_truth(const Scene& scene, const Judge& judge, const RayList& rays, st
 /// Of a tracer's answers, those that are wrong: another triangle, or something in the way where there is
 /// nothing; and missed: nothing where there is something. Of a tracer that is not meant to be exact, an
 /// answer that differs is first judged by the exact reference, for where a ray meets an edge or a vertex
-/// exactly, any of the triangles there is right (Judge::peer).
+/// exactly, any of the triangles there is right (Judge::peer). Of occlusion nothing is judged again: whether
+/// a ray that only touches an edge or a vertex is blocked follows the exact kernel's rule for ties, and a
+/// peer that says otherwise is wrong or missed.
 PeerTally judged(const Scene& scene, const Judge& judge, const RayList& rays, const Truth& truth,
                  const Answers& answers, bool exact);
 
