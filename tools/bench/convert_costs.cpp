@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -29,7 +28,7 @@ constexpr std::pair<const char*, tetprep::Optimize> kEfforts[] = {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    const char* chosen = std::getenv("TMPDIR");
+    const char* chosen = getenv("TMPDIR");
     const std::string parent = chosen && *chosen != 0 ? chosen : "/tmp";
     path_ = parent + "/tet-bench-XXXXXX";
     if (mkdtemp(path_.data()) == nullptr)
