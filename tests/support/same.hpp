@@ -33,5 +33,8 @@ inline bool same(const tetfmt::Location& a, const tetfmt::Location& b) {
 inline bool same(tetfmt::Outcome a, tetfmt::Outcome b) {
   return a == b;
 }
+inline bool same(const std::vector<tetfmt::Outcome>& a, const std::vector<tetfmt::Outcome>& b) {
+  return a == b;
+}
 
 }  // namespace tetfmt_test

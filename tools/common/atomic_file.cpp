@@ -33,7 +33,10 @@ void remove_temporaries_and_die(int signal) {
   for (Slot& slot : g_slots) {
     if (slot.owner.load() == getpid()) unlink(slot.path.data());
   }
-  // The handler was installed with SA_RESETHAND: this time the signal does what it always does.
+  // Only now: a second signal, while the first is at work, must not end the process before that is done.
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
+  sigaction(signal, &usual, nullptr);
   raise(signal);
 }
 
@@ -44,7 +47,6 @@ void install_handlers() {
     if (old.sa_handler != SIG_DFL) continue;  // ignored (nohup), or somebody else's
     struct sigaction action {};
     action.sa_handler = remove_temporaries_and_die;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
     sigaction(signal, &action, nullptr);
   }
 }
